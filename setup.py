@@ -51,6 +51,7 @@ WAY_OF_A_PACKET: Final = (
     "emulators/wires/*.py",
     "emulators/world.py",
     "firmware_bridge/bridge/*.py",
+    "firmware_bridge/canopen/*.py",
     "firmware_bridge/differential/*.py",
     "firmware_bridge/drivers/*.py",
     "firmware_bridge/drivers/ar2/*.py",
@@ -75,6 +76,9 @@ WAY_OF_A_PACKET: Final = (
 INTERPRETED: Final = frozenset(
     {
         "emulators/epos2/objects/device_profile.py",  # its annotations carry sources, read at run time
+        "firmware_bridge/canopen/abort.py",  # an enumeration with a __new__ of its own
+        "firmware_bridge/canopen/data_type.py",  # an enumeration with an __init__ of its own
+        "firmware_bridge/canopen/object_row.py",  # a table
         "firmware_bridge/differential/geometry.py",  # its tables are pydantic's
         "firmware_bridge/motion/davis.py",  # it holds a table of the robot file, which pydantic reads
         "firmware_bridge/motion/differential.py",  # as above
@@ -85,7 +89,6 @@ INTERPRETED: Final = frozenset(
         "firmware_bridge/robots/rome/geometry.py",  # as above
         "firmware_bridge/robots/rome_arm/geometry.py",  # as above
         "firmware_bridge/teleop/station.py",  # its rows are generic dataclasses
-        "firmware_bridge/wire/abort.py",  # an enumeration with a __new__ of its own
     }
 )
 """Modules that mypyc cannot translate."""

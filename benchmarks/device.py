@@ -27,11 +27,11 @@ from emulators.servo.axis import ServoAxis
 from emulators.single import QUADCOUNTS
 from emulators.wires import CanWire
 from emulators.world import World
+from firmware_bridge.canopen import cia301, sdo
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire import canopen, sdo
-from firmware_bridge.wire.epos2.address import Address
 from hil_tests.unit.servo.side_by_side import PLANT, compiled
 
 REQUESTS: Final = 20_000
@@ -95,7 +95,7 @@ def whole_drive() -> Served:
     node.wake(0)
 
     def served(request: bytes) -> bytes | None:
-        reaction = node.receive(Packet(CAN, canopen.SDO_REQUEST + new_stations.NODE, request), next(now))
+        reaction = node.receive(Packet(CAN, cia301.SDO_REQUEST + new_stations.NODE, request), next(now))
         return reaction.sent[0].payload if reaction.sent else None
 
     return served
@@ -133,12 +133,12 @@ class Client:
 
     def __init__(self) -> None:
         self.answers = 0
-        self._request = Packet(CAN, canopen.SDO_REQUEST + new_stations.NODE, KINDS[0].requests[0])
+        self._request = Packet(CAN, cia301.SDO_REQUEST + new_stations.NODE, KINDS[0].requests[0])
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Count an answer, and ask."""
         del now
-        if packet.address != canopen.SDO_RESPONSE + new_stations.NODE:
+        if packet.address != cia301.SDO_RESPONSE + new_stations.NODE:
             return Reaction((), SECOND)
         self.answers += 1
         return Reaction((self._request,))
@@ -181,7 +181,7 @@ class Talker:
     """Node that keeps the bus full: a frame of its own in each period."""
 
     def __init__(self, node: int, every: Nanoseconds) -> None:
-        self._address = canopen.TRANSMIT_PDO[0] + node
+        self._address = cia301.TRANSMIT_PDO[0] + node
         self._every = every
         self._count = 0
 

@@ -13,14 +13,14 @@ from emulators.servo.bank import ServoBank
 from emulators.single import QUADRATURE
 from emulators.wires import CanWire
 from emulators.world import World
+from firmware_bridge.canopen import cia301, sdo
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtCommand
+from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire import canopen, sdo
-from firmware_bridge.wire.canopen import NmtCommand
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.rows import DataType
 from hil_tests.unit.servo.side_by_side import Motors
 
 BIT_RATE: Final = 1_000_000
@@ -29,7 +29,7 @@ BEGIN_AT: Final[Nanoseconds] = 2 * SECOND
 """Time by which all drives are set up."""
 SAMPLE: Final = 3
 """Number of the transmit PDO that answers SYNC: statusword and velocity."""
-NO_REMOTE: Final = canopen.COB_ID_NO_REMOTE
+NO_REMOTE: Final = cia301.COB_ID_NO_REMOTE
 PROFILE_VELOCITY_MODE: Final = 3
 TO_OPERATION_ENABLED: Final = (0x06, 0x07, 0x0F)
 """Controlwords, one a cycle; the last one stays."""
@@ -90,24 +90,24 @@ class Crowd:
 def write(node: int, address: Address, kind: DataType, value: int) -> Packet:
     """Return the request that writes a number."""
     payload = sdo.encode_download(address, kind.encode(value))
-    return Packet(CAN, canopen.SDO_REQUEST + node, payload)
+    return Packet(CAN, cia301.SDO_REQUEST + node, payload)
 
 
 def set_up(count: int, heartbeat_ms: int) -> list[Packet]:
     """Return the frames after which the drives regulate their speed, answer SYNC, and say that they live."""
     frames = []
     for node in range(1, count + 1):
-        cob_id = NO_REMOTE | canopen.TRANSMIT_PDO[SAMPLE] + node
+        cob_id = NO_REMOTE | cia301.TRANSMIT_PDO[SAMPLE] + node
         frames += [
             write(node, Address(0x1800 + SAMPLE, 2), DataType.UNSIGNED8, 1),
             write(node, Address(0x1800 + SAMPLE, 1), DataType.UNSIGNED32, cob_id),
-            write(node, at.MODE, DataType.INTEGER8, PROFILE_VELOCITY_MODE),
-            write(node, at.PRODUCER_HEARTBEAT, DataType.UNSIGNED16, heartbeat_ms),
+            write(node, od.MODE, DataType.INTEGER8, PROFILE_VELOCITY_MODE),
+            write(node, od.PRODUCER_HEARTBEAT, DataType.UNSIGNED16, heartbeat_ms),
         ]
-    return [*frames, Packet(CAN, canopen.NMT, bytes((NmtCommand.START, canopen.ALL_NODES)))]
+    return [*frames, Packet(CAN, cia301.NMT, bytes((NmtCommand.START, cia301.ALL_NODES)))]
 
 
-SYNC: Final = Packet(CAN, canopen.SYNC, b"")
+SYNC: Final = Packet(CAN, cia301.SYNC, b"")
 
 
 def only_sync(_cycle: int) -> Iterable[Packet]:
@@ -119,7 +119,7 @@ def exchange(count: int, cycle: int) -> Iterable[Packet]:
     """Ask, and give each drive its controlword and its speed."""
     word = TO_OPERATION_ENABLED[min(cycle, len(TO_OPERATION_ENABLED) - 1)]
     payload = word.to_bytes(2, "little") + TARGET_RPM.to_bytes(4, "little")
-    return (SYNC, *(Packet(CAN, canopen.RECEIVE_PDO[3] + node, payload) for node in range(1, count + 1)))
+    return (SYNC, *(Packet(CAN, cia301.RECEIVE_PDO[3] + node, payload) for node in range(1, count + 1)))
 
 
 def crowd(

@@ -16,9 +16,10 @@ from emulators.servo.axis import ServoAxis
 from emulators.servo.motor import MOTOR, DcMotor
 from emulators.servo.sensors import HALL_LINES, HALL_LOW, INDEX_MISSING
 from emulators.servo.winding import set_winding
-from firmware_bridge.wire.cia402 import ControlwordCommand, command_of
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import ControlwordCommand, command_of
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 
 POLE_PAIRS: Final = Address(0x6410, 3)
 PULSES: Final = 500
@@ -107,7 +108,7 @@ class Mounted:
 
     def contradicts(self, get: Callable[[Address], int]) -> Iterator[str]:
         """Yield what a client has set up otherwise than it is mounted; `get` reads an object."""
-        pulses, sensor, kind = get(at.ENCODER_PULSES), get(at.SENSOR_TYPE), get(at.MOTOR_TYPE)
+        pulses, sensor, kind = get(at.ENCODER_PULSES), get(at.SENSOR_TYPE), get(od.MOTOR_TYPE)
         if pulses != self.pulses:
             yield f"0x2210:1 is {pulses} pulses, the mounted encoder has {self.pulses} (--encoder)"
         if sensor in WITH_INDEX and not self.index:
@@ -132,7 +133,7 @@ class Comparison:
         self._store = store
         self._say = say
         self._reported: tuple[str, ...] = ()
-        store.on_write(at.CONTROLWORD, self._look)
+        store.on_write(od.CONTROLWORD, self._look)
 
     def _look(self, word: int) -> None:
         # Not before: settings may be written one after the other until the drive is enabled.
@@ -154,8 +155,8 @@ class Torque:
         self._axis = axis
         self._becomes = becomes
         if mounted.motor is not None and mounted.motor.kind == "ec":
-            store.on_write(at.MOTOR_TYPE, self._take)
-            self._take(store.get(at.MOTOR_TYPE))
+            store.on_write(od.MOTOR_TYPE, self._take)
+            self._take(store.get(od.MOTOR_TYPE))
 
     def _take(self, kind: int) -> None:
         shaft = self._mounted.shaft

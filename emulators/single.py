@@ -21,7 +21,7 @@ from emulators.servo.fmu_axes import fmu_bank, fmu_plant, set_motor
 from emulators.servo.motor import SUPPLY_MV, DcMotors
 from emulators.servo.winding import set_winding
 from emulators.storage import Commissioned, ParameterFile
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.plant import FmuPlant
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from emulators.epos2.objects.saved_parameters import Storage, StorageError
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.address import Address
 
 FORMAT: Final = "EPOS2 parameters 1"
 HEX: Final = 16

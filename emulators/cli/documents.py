@@ -13,13 +13,13 @@ from emulators.documents import object_table as dictionary
 from emulators.documents.object_reader import SilentNodeError, read_all
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import BIT_RATE_IN_USE, BIT_RATES, numbered
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia301 import FIRST_NODE, LAST_NODE
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
 from firmware_bridge.cli.tables import print_grid, print_lines, terminal
 from firmware_bridge.runtime.ports import LostPort, PortError, open_can
-from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
-from firmware_bridge.wire.epos2 import address as at
 
 EXAMPLES: Final = """Examples:
 
@@ -90,7 +90,7 @@ def dcf(
     with one_message(SilentNodeError, LostPort, status=FAILED):
         values = read_all(port, node)
     by_product = {(profile.hardware_version or 0) << 16: profile for profile in PROFILES.values()}
-    product = values.get(at.PRODUCT_CODE)
+    product = values.get(od.PRODUCT_CODE)
     found = by_product.get(product if isinstance(product, int) else -1, PROFILES["70/10"])
     code = values.get(BIT_RATE_IN_USE, 0)
     rate = bit_rate or BIT_RATES.get(code if isinstance(code, int) else 0, 1_000_000)

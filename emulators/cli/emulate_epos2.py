@@ -25,7 +25,7 @@ from firmware_bridge.wire.maxon.frame import Generation
 
 if TYPE_CHECKING:
     from emulators.mounted import Mounted, ShaftLoad
-    from firmware_bridge.wire.epos2.address import Address
+    from firmware_bridge.canopen.address import Address
 
 EXAMPLES: Final = """Examples:
 

@@ -4,14 +4,14 @@ from collections.abc import Iterable
 from typing import Final
 
 from emulators.arduino_omni.mega.mega import KEPT, Mega
+from firmware_bridge.canopen.cia301 import EMERGENCY, ERROR_CONTROL, SDO_REQUEST, SDO_RESPONSE
+from firmware_bridge.canopen.objects import DEVICE_TYPE
+from firmware_bridge.canopen.sdo import encode_upload
 from firmware_bridge.cli.console import say
 from firmware_bridge.node import Node, Stoppable
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.recording import Direction, Recorded
 from firmware_bridge.units import Nanoseconds, to_seconds
-from firmware_bridge.wire.canopen import EMERGENCY, ERROR_CONTROL, SDO_REQUEST, SDO_RESPONSE
-from firmware_bridge.wire.epos2.address import DEVICE_TYPE
-from firmware_bridge.wire.sdo import encode_upload
 
 OWN: Final = {SDO_RESPONSE: "answers", ERROR_CONTROL: "heartbeats", EMERGENCY: "emergencies"}
 """Services that only the node itself sends."""

@@ -13,10 +13,11 @@ from typing import Final
 from emulators.documents.object_table import ObjectEntry, entries
 from emulators.epos2.objects.device_profile import BIT_RATES, SERIAL_NUMBER_64, DeviceProfile
 from emulators.epos2.objects.saved_parameters import is_parameter
-from firmware_bridge.wire.canopen import COB_ID_MASK
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.rows import DataType, Provenance
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import COB_ID_MASK
+from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen.object_row import Provenance
 
 VAR: Final = 0x7
 ARRAY: Final = 0x8
@@ -26,7 +27,7 @@ MANUFACTURER: Final = range(0x2000, 0x6000)
 RATES_OF_THE_FORMAT: Final = (10, 20, 50, 125, 250, 500, 800, 1000)
 DATE: Final = ("12:00AM", "01-01-2026")
 """The same in every file: a data sheet is made of the table, not at a time."""
-_INDIVIDUAL: Final = frozenset({at.SERIAL_NUMBER, SERIAL_NUMBER_64, Address(0x2FFF, 5), Address(0x2FFF, 6)})
+_INDIVIDUAL: Final = frozenset({od.SERIAL_NUMBER, SERIAL_NUMBER_64, Address(0x2FFF, 5), Address(0x2FFF, 6)})
 _PARENTS: Final = {0x1003: "Error History"}
 
 Values = Mapping[Address, int | bytes]
@@ -115,7 +116,7 @@ def _device_info(profile: DeviceProfile) -> dict[str, str]:
 
 
 def _commissioning(profile: DeviceProfile, node: int, bit_rate: int, values: Values) -> dict[str, str]:
-    serial = values.get(at.SERIAL_NUMBER, 0)
+    serial = values.get(od.SERIAL_NUMBER, 0)
     return {
         "NodeID": str(node),
         "NodeName": f"{profile.name} node {node}",

@@ -17,9 +17,9 @@ from emulators.epos2.control.value_ranges import VALUE_RANGES
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.choices import CHOICES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
+from firmware_bridge.canopen.object_row import Provenance
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 from firmware_bridge.wire.epos2.objects import OBJECTS
-from firmware_bridge.wire.epos2.rows import Provenance
 
 ORDER: Final = tuple(Provenance)
 _FIGURES: Final = (

@@ -5,6 +5,8 @@ It works with a real drive as well.
 
 from typing import Final
 
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.drivers.commissioning.can_access import CanAccess
 from firmware_bridge.drivers.commissioning.client import JobClient
 from firmware_bridge.drivers.commissioning.reading import Reading
@@ -13,9 +15,7 @@ from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.runtime.ports import Port
 from firmware_bridge.runtime.runner import run
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
-from firmware_bridge.wire.epos2.rows import DataType
 
 TIMEOUT: Final[Nanoseconds] = 500 * MILLISECOND
 

@@ -7,7 +7,8 @@ from typing import Final
 
 from emulators.epos2.objects.device_profile import DeviceProfile
 from emulators.epos2.objects.saved_parameters import is_parameter
-from firmware_bridge.wire.epos2.rows import DataType, ObjectRow
+from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen.object_row import ObjectRow
 
 HEADINGS: Final = (
     "object",

@@ -20,10 +20,10 @@ from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile
 from emulators.epos2.objects.saved_parameters import SavedParameters, Storage, Volatile
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import STAGE_RISE_MC, ServoAxis
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen.cia301 import LAST_NODE, NmtCommand, NmtState
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.canopen import LAST_NODE, NmtCommand, NmtState
 from firmware_bridge.wire.epos2 import emergency
 
 
@@ -149,9 +149,9 @@ class Epos2:
         self._routes = self._services.routes()
         services = SERVICES[self.nmt_state]
         if NodeService.ERROR_CONTROL in services:
-            self._routes[canopen.NMT] = self._receive_command
+            self._routes[cia301.NMT] = self._receive_command
         if NodeService.LAYER_SETTING in services:
-            self._routes[canopen.LSS_REQUEST] = self._receive_lss
+            self._routes[cia301.LSS_REQUEST] = self._receive_lss
 
     def switch_off(self) -> None:
         """Switch off the supply, logic included: nothing is reported, the motor is without power.
@@ -215,7 +215,7 @@ class Epos2:
     def _receive_lss(self, payload: bytes, _now: Nanoseconds) -> None:
         answer = self._lss.answer(payload)
         if answer is not None:
-            self._send(canopen.LSS_RESPONSE, answer)
+            self._send(cia301.LSS_RESPONSE, answer)
 
     def _switch_rate(self, code: int, delay: Nanoseconds) -> None:
         self._identity.switch(code, delay, self._now)

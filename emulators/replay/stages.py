@@ -45,11 +45,11 @@ from emulators.replay.stage import (
 from emulators.rig import Rig
 from emulators.wires import CanWire
 from emulators.world import World
+from firmware_bridge.canopen.cia301 import ERROR_CONTROL, LSS_RESPONSE, NmtState, encode_heartbeat
 from firmware_bridge.dissector.canopen import service_name
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire.canopen import ERROR_CONTROL, LSS_RESPONSE, NmtState, encode_heartbeat
 
 LEAD: Final[Nanoseconds] = SECOND
 """A drive that was there before a recording has had this time to initialize."""

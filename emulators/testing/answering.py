@@ -13,16 +13,16 @@ from typing import Final, Self
 import serial
 
 from emulators.testing.buses import Bus
+from firmware_bridge.canopen.cia301 import SDO_REQUEST, SDO_RESPONSE
+from firmware_bridge.canopen.objects import DEVICE_TYPE
+from firmware_bridge.canopen.sdo import UploadResponse, decode_response, encode_upload
 from firmware_bridge.cli.node_numbers import numbers
 from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.runtime.ports import open_can
 from firmware_bridge.units import from_seconds
 from firmware_bridge.wire.arduino import ar2, arduinoio, firmata, mw, mw_messages, ros_arduino_bridge
-from firmware_bridge.wire.canopen import SDO_REQUEST, SDO_RESPONSE
-from firmware_bridge.wire.epos2.address import DEVICE_TYPE
 from firmware_bridge.wire.maxon.frame import Frame, Generation, MaxonAnswer
 from firmware_bridge.wire.maxon.lines import host_end
-from firmware_bridge.wire.sdo import UploadResponse, decode_response, encode_upload
 
 REQUESTED_AGAIN: Final = 20
 """Number of looks, 1 s: a late answer comes before the request is repeated."""

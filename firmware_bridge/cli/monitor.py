@@ -28,9 +28,9 @@ from firmware_bridge.runtime import can_files
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 if TYPE_CHECKING:
+    from firmware_bridge.canopen.address import Address
     from firmware_bridge.dissector.bus_picture import BusPicture
     from firmware_bridge.dissector.robot_mapping import Expected
-    from firmware_bridge.wire.epos2.address import Address
 
 
 EXAMPLES: Final = """Examples:

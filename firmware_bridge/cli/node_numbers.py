@@ -3,8 +3,8 @@
 import re
 from collections.abc import Sequence
 
+from firmware_bridge.canopen.cia301 import FIRST_NODE, LAST_NODE
 from firmware_bridge.cli.console import refusal
-from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
 
 
 def numbers(text: str) -> tuple[int, ...]:

@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
+from firmware_bridge.canopen.cia301 import FIRST_NODE, LAST_NODE
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
-from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,16 +9,16 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
+from firmware_bridge.canopen import cia301, sdo
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
 from firmware_bridge.dissector.canopen import MASTER, Canopen, service_name
 from firmware_bridge.dissector.lately import Lately
 from firmware_bridge.dissector.robot_mapping import Expected
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
-from firmware_bridge.wire import canopen, sdo
 from firmware_bridge.wire.can import ERROR, INTERFRAME_BITS, REMOTE, frame_bits
-from firmware_bridge.wire.canopen import NmtCommand, NmtState
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 
 RECENT: Final[Nanoseconds] = SECOND
 """Rates and load are those of this span."""
@@ -205,14 +205,14 @@ class BusPicture:
 
     def _commanded(self, payload: bytes) -> None:
         """Take the nodes that are commanded for obedient, until they say otherwise."""
-        command, node = canopen.decode_nmt(payload) or (None, 0)
+        command, node = cia301.decode_nmt(payload) or (None, 0)
         for seen in self._nodes.values():
             if command in _COMMANDED and node in {0, seen.node}:
                 seen.network = _COMMANDED[command]
 
     def _beats(self, seen: NodeSeen, now: Nanoseconds, payload: bytes) -> Iterator[str]:
         """Take a heartbeat, a boot-up message or an answer to node guarding."""
-        state = canopen.decode_heartbeat(payload)
+        state = cia301.decode_heartbeat(payload)
         restarted = state is NmtState.BOOT_UP
         if state is not seen.reported and state is not None:
             yield f"node {seen.node}: {'restarted' if restarted else state.title}"
@@ -237,7 +237,7 @@ class BusPicture:
         seen.network = seen.network if follows is None else follows
 
     def _emergency(self, seen: NodeSeen, packet: Packet, message: MessageSeen) -> Iterator[str]:
-        decoded = canopen.decode_emergency(packet.payload)
+        decoded = cia301.decode_emergency(packet.payload)
         if message.read is None:
             return
         title, reported = message.read
@@ -249,19 +249,19 @@ class BusPicture:
             yield f"{title}: {reported}"
 
     def _aborted(self, packet: Packet, message: MessageSeen) -> Iterator[str]:
-        decode = sdo.decode_request if packet.address >= canopen.SDO_REQUEST else sdo.decode_response
+        decode = sdo.decode_request if packet.address >= cia301.SDO_REQUEST else sdo.decode_response
         if message.read is not None and isinstance(decode(packet.payload), sdo.Abort):
             yield self._wrong(": ".join(message.read))
 
     def _status(self, packet: Packet) -> Iterator[str]:
         """Take the statusword, where a frame brings it."""
         node, objects = self._reader.objects(packet)
-        raw = dict(objects).get(at.STATUSWORD)
+        raw = dict(objects).get(od.STATUSWORD)
         seen = self._nodes.get(node)
         if raw is None or seen is None or raw == seen.raw_status:
             return
         seen.raw_status = raw
-        seen.status = self._reader.value(node, at.STATUSWORD, raw)
+        seen.status = self._reader.value(node, od.STATUSWORD, raw)
         yield f"node {node}: statusword {seen.status}"
 
     def _overdue(self, seen: NodeSeen) -> bool:

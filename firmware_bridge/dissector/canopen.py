@@ -9,18 +9,18 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from firmware_bridge.canopen import cia301, sdo
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.lss import LssCommand
 from firmware_bridge.dissector.nodes import Nodes
 from firmware_bridge.drivers.commissioning.names import called
 from firmware_bridge.drivers.commissioning.words import words
 from firmware_bridge.packet import Packet
-from firmware_bridge.wire import canopen, sdo
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE, identifier
 from firmware_bridge.wire.can_error import BUS_OFF, CONTROLLER, RESTARTED
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.hardware import MAXON
 from firmware_bridge.wire.epos2.objects_pdo import TRANSMIT_MAPPING
-from firmware_bridge.wire.lss import LssCommand
 
 _REPORTS: Final = {CONTROLLER: "controller state", BUS_OFF: "bus off", RESTARTED: "restarted"}
 _LSS: Final = {int(command): command for command in LssCommand}
@@ -88,8 +88,8 @@ class Canopen:
         number = identifier(packet.address)
         if packet.address & (ERROR | EXTENDED | REMOTE):
             return MASTER, []
-        node = number - canopen.SDO_RESPONSE
-        if canopen.FIRST_NODE <= node <= canopen.LAST_NODE:
+        node = number - cia301.SDO_RESPONSE
+        if cia301.FIRST_NODE <= node <= cia301.LAST_NODE:
             response = sdo.decode_response(packet.payload)
             if isinstance(response, sdo.UploadResponse) and response.raw is not None:
                 return node, [(response.address, response.raw)]
@@ -108,11 +108,11 @@ class Canopen:
 
     def nmt(self, _node: int, payload: bytes) -> str:
         """Read a network management command; a node that is reset forgets what it has not saved."""
-        decoded = canopen.decode_nmt(payload)
+        decoded = cia301.decode_nmt(payload)
         if decoded is None:
             return "NMT: no command"
         command, node = decoded
-        if command in {canopen.NmtCommand.RESET_NODE, canopen.NmtCommand.RESET_COMMUNICATION}:
+        if command in {cia301.NmtCommand.RESET_NODE, cia301.NmtCommand.RESET_COMMUNICATION}:
             # Node 0 is all nodes (CiA 301, NMT).
             for one in [node] if node else self._nodes.known:
                 self._nodes.forget(one)
@@ -124,11 +124,11 @@ class Canopen:
 
     def emergency(self, node: int, payload: bytes) -> str:
         """Read the emergency of a node."""
-        decoded = canopen.decode_emergency(payload)
+        decoded = cia301.decode_emergency(payload)
         if decoded is None:
             return f"EMCY node {node}: too short"
         cause = ", ".join(words(Address(0x1003, 1), decoded.code))
-        register = ", ".join(words(at.ERROR_REGISTER, decoded.register))
+        register = ", ".join(words(od.ERROR_REGISTER, decoded.register))
         return f"EMCY node {node}: {cause}; error register 0x{decoded.register:02X} ({register})"
 
     def time_stamp(self, _node: int, _payload: bytes) -> str:
@@ -164,7 +164,7 @@ class Canopen:
                 if raw is None:
                     length = "" if size is None else f" of {size} bytes"
                     return f"{head} {called(address)}, segments{length} to come"
-                if address == at.VENDOR_ID and int.from_bytes(raw, "little") == MAXON:
+                if address == od.VENDOR_ID and int.from_bytes(raw, "little") == MAXON:
                     # Vendor by 0x1018:1: from now on its default mapping is known.
                     self._maxon.add(node)
                 return f"{head} {called(address)} = {self._nodes.value(node, address, raw)}"
@@ -177,8 +177,8 @@ class Canopen:
 
     def error_control(self, node: int, payload: bytes) -> str:
         """Read a heartbeat, a boot-up message or the answer to node guarding."""
-        state = canopen.decode_heartbeat(payload)
-        if state is canopen.NmtState.BOOT_UP:
+        state = cia301.decode_heartbeat(payload)
+        if state is cia301.NmtState.BOOT_UP:
             # After a boot-up the mapping is the saved one again.
             self._nodes.forget(node)
             return f"boot-up, node {node}"
@@ -238,18 +238,18 @@ class Service:
     read: Callable[[Canopen, int, bytes], str]
 
 
-_NODES: Final = range(canopen.FIRST_NODE, canopen.LAST_NODE + 1)
+_NODES: Final = range(cia301.FIRST_NODE, cia301.LAST_NODE + 1)
 
 SERVICES: Final = (
-    Service("nmt", canopen.NMT, range(1), MASTER, Canopen.nmt),
-    Service("sync", canopen.SYNC, range(1), MASTER, Canopen.sync),
-    Service("emergency", canopen.EMERGENCY, _NODES, ADDED, Canopen.emergency),
-    Service("time", canopen.TIME_STAMP, range(1), MASTER, Canopen.time_stamp),
-    Service("sdo", canopen.SDO_RESPONSE, _NODES, ADDED, Canopen.sdo_response),
-    Service("sdo", canopen.SDO_REQUEST, _NODES, MASTER, Canopen.sdo_request),
-    Service("heartbeat", canopen.ERROR_CONTROL, _NODES, ADDED, Canopen.error_control),
-    Service("lss", canopen.LSS_RESPONSE, range(1), None, Canopen.lss),
-    Service("lss", canopen.LSS_REQUEST, range(1), MASTER, Canopen.lss),
+    Service("nmt", cia301.NMT, range(1), MASTER, Canopen.nmt),
+    Service("sync", cia301.SYNC, range(1), MASTER, Canopen.sync),
+    Service("emergency", cia301.EMERGENCY, _NODES, ADDED, Canopen.emergency),
+    Service("time", cia301.TIME_STAMP, range(1), MASTER, Canopen.time_stamp),
+    Service("sdo", cia301.SDO_RESPONSE, _NODES, ADDED, Canopen.sdo_response),
+    Service("sdo", cia301.SDO_REQUEST, _NODES, MASTER, Canopen.sdo_request),
+    Service("heartbeat", cia301.ERROR_CONTROL, _NODES, ADDED, Canopen.error_control),
+    Service("lss", cia301.LSS_RESPONSE, range(1), None, Canopen.lss),
+    Service("lss", cia301.LSS_REQUEST, range(1), MASTER, Canopen.lss),
 )
 """Services beside PDOs, whose identifiers may be changed."""
 
@@ -279,7 +279,7 @@ def service_name(packet: Packet) -> str:
 
 
 def _is_pdo(number: int) -> bool:
-    return canopen.TRANSMIT_PDO[0] <= number < canopen.SDO_RESPONSE
+    return cia301.TRANSMIT_PDO[0] <= number < cia301.SDO_RESPONSE
 
 
 def _plain(name: str) -> str:

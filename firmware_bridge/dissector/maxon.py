@@ -5,9 +5,9 @@ Which of the two protocols a line speaks shows with its first byte: V2's frames 
 
 from typing import Final
 
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.drivers.commissioning.names import called
 from firmware_bridge.packet import Packet
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon import v1
 from firmware_bridge.wire.maxon.frame import ANSWER, DLE, Failure, Frame
 from firmware_bridge.wire.maxon.messages import Answer, Request

@@ -3,12 +3,13 @@
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Final
 
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.pdo import MAX_ENTRIES, MappingEntry
 from firmware_bridge.drivers.commissioning.names import called
 from firmware_bridge.drivers.commissioning.values import decode, unit_of
 from firmware_bridge.drivers.commissioning.words import mode_of, words
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.differences import ANY_TYPE
 from firmware_bridge.wire.epos2.objects_pdo import (
     PDOS,
@@ -17,10 +18,9 @@ from firmware_bridge.wire.epos2.objects_pdo import (
     TRANSMIT_MAPPING,
     TRANSMIT_PARAMETER,
 )
-from firmware_bridge.wire.pdo import MAX_ENTRIES, MappingEntry
 
 _SAVE: Final = Address(0x1010, 1)
-_IN_BITS: Final = frozenset({at.CONTROLWORD, at.STATUSWORD, at.ERROR_REGISTER}) | {
+_IN_BITS: Final = frozenset({od.CONTROLWORD, od.STATUSWORD, od.ERROR_REGISTER}) | {
     Address(index + pdo, subindex)
     for pdo in range(PDOS)
     for index, subindexes in (
@@ -87,7 +87,7 @@ class Nodes:
         if row is not None and 0 < row.type.size < len(raw):
             raw = raw[: row.type.size]  # a client that gives no size sends four bytes
         value = decode(address, raw)
-        mode = mode_of(self._written.get(node, {}).get(at.MODE, 0))
+        mode = mode_of(self._written.get(node, {}).get(od.MODE, 0))
         text = words(address, value, mode)
         in_bits = isinstance(value, int) and address in _IN_BITS
         number = f"0x{value:0{2 * len(raw)}X}" if in_bits else f"{value}"
@@ -96,7 +96,7 @@ class Nodes:
 
     def candidates(self, number: int) -> Iterator[tuple[int, str, int]]:
         """Yield node, title and index of the mapping of each PDO that has this identifier now."""
-        predefined = number & canopen.NODE_MASK
+        predefined = number & cia301.NODE_MASK
         # Nodes that were written to may use any identifier, so they come first.
         for node in dict.fromkeys((*self._written, predefined)):
             if not node:
@@ -107,7 +107,7 @@ class Nodes:
                     ("TPDO", TRANSMIT_PARAMETER, TRANSMIT_MAPPING),
                 ):
                     entry = self.entry(node, parameter + place, 1)
-                    if entry & canopen.COB_ID_MASK == number:
+                    if entry & cia301.COB_ID_MASK == number:
                         yield node, f"{kind} {place + 1}, node {node}", mapping + place
 
     def contents(self, node: int, mapping: int, payload: bytes) -> list[tuple[Address, bytes]]:

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.drivers.epos2.setup import MODE, configuration
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +24,7 @@ def expected_on(robot: AnyRobot, link: str) -> Iterator[Expected]:
     settings = robot.epos2_link(link)
     for axis in robot.axes_on(link):
         rows = [(row.address, row.raw) for row in configuration(axis, settings)]
-        rows.append((at.MODE, int(MODE[axis.command]).to_bytes(1, "little", signed=True)))
+        rows.append((od.MODE, int(MODE[axis.command]).to_bytes(1, "little", signed=True)))
         yield Expected(axis.epos2.node, axis.title, tuple(rows))
 
 

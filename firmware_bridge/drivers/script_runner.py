@@ -10,8 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias, Union
 
+from firmware_bridge.canopen.sdo_client import Outcome, Transfer
 from firmware_bridge.drivers.driver import StartupError
-from firmware_bridge.drivers.sdo_client import Outcome, Transfer
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
 

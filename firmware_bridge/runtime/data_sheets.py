@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2.differences import ANY_TYPE
 
 _OBJECT: Final = re.compile(r"(?i)([0-9a-f]{4})(?:sub([0-9a-f]{1,2}))?")

@@ -13,10 +13,10 @@ from emulators.bench.columns import Sample, motor_speed
 from emulators.epos2.drive import Epos2
 from emulators.rig import BRIDGE, SECOND_BRIDGE, Rig
 from firmware_bridge.bridge import Phase
+from firmware_bridge.canopen import objects as od
 from firmware_bridge.robot import AnyRobot, Axis, GuardExclusive, GuardSum, Unpowered
 from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.adversary.beyond import LOADER
 from hil_tests.adversary.own import OWN, ROUNDED, Own, gives, joint, mean_rate
 from hil_tests.adversary.reached import Reached
@@ -181,7 +181,7 @@ class Truth:
 
 def _watch(drive: Epos2) -> int:
     """Return after how many ms of the bridge's silence a drive stops by itself; 0 for never."""
-    return int(drive.store.get(at.CONSUMER_HEARTBEAT_1)) & 0xFFFF
+    return int(drive.store.get(od.CONSUMER_HEARTBEAT_1)) & 0xFFFF
 
 
 def _of(axis: Axis, motor: float) -> float:

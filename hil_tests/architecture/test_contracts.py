@@ -35,10 +35,11 @@ def name(path: Path) -> str:
 
 
 def test_the_words_on_the_wire_need_the_standard_library_only() -> None:
-    own = ("firmware_bridge.wire", "firmware_bridge.node", "firmware_bridge.packet", "firmware_bridge.units")
+    below = ("node", "packet", "units", "canopen", "wire")
+    own = tuple(f"firmware_bridge.{module}" for module in below)
     strange = [
         (name(path), module)
-        for path in sources("firmware_bridge/wire")
+        for path in sources("firmware_bridge/canopen", "firmware_bridge/wire")
         for module in imports(path)
         if module.split(".")[0] not in sys.stdlib_module_names and not module.startswith(own)
     ]

@@ -8,8 +8,9 @@ from typing import Final, NamedTuple
 
 from emulators.testing.rig import STEP_S, VirtualRig
 from firmware_bridge.bridge.stops import Progress
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.objects import ERROR_HISTORY_COUNT
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.epos2.address import ERROR_HISTORY_COUNT, Address
 from hil_tests.failures.causes import (
     COMMON,
     HIT,

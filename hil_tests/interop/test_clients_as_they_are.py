@@ -19,12 +19,13 @@ from emulators.servo.bank import ServoBank
 from emulators.servo.motor import MOTOR, DcMotors
 from emulators.wires import CanWire
 from emulators.world import World
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.objects import OBJECTS
-from firmware_bridge.wire.epos2.rows import DataType
 from firmware_bridge.wire.maxon.frame import Generation
 from firmware_bridge.wire.maxon.messages import Done, ObjectRead, ReadObject, SendNmtService, WriteObject
 from hil_tests.interop.virtual_master import Master
@@ -78,7 +79,7 @@ def test_a_client_on_the_line_that_never_lowers_bit_4(generation: Generation, no
 
     moves(write, lambda: desk.waits(700 * MILLISECOND), position)
     still = desk.far if node != FAR else desk.drive
-    assert still.store.get(at.CONTROLWORD) == 0
+    assert still.store.get(od.CONTROLWORD) == 0
 
 
 class Bench(Master):
@@ -128,17 +129,17 @@ def test_a_client_that_remaps_a_pdo_which_is_valid() -> None:
         assert desk.writes(index, 0, b"\2") == "ok"
     assert desk.receives("000#0101") == ["181#400700000000"]
     desk.receives("201#0600D2040000")
-    assert desk.store.get(at.TARGET_POSITION) == 1234
+    assert desk.store.get(od.TARGET_POSITION) == 1234
     assert desk.motion.written == [6]
 
 
 def test_a_client_that_loads_our_configuration_file(bench: Bench, tmp_path: Path) -> None:
     # Someone has set the drive up, remapped a PDO of it, written its file and loads that into another drive.
-    bench.drive.store.write(at.PROFILE_VELOCITY, (777).to_bytes(4, "little"))
+    bench.drive.store.write(od.PROFILE_VELOCITY, (777).to_bytes(4, "little"))
     entries = (bytes.fromhex(each) for each in ("10004060", "2000ff60"))
     for index, raw in ((0, b"\0"), *enumerate(entries, start=1), (0, b"\2")):
         bench.node.sdo.download(0x1602, index, raw)
-    bench.drive.store.write(at.CONTROLWORD, b"\x06\0")
+    bench.drive.store.write(od.CONTROLWORD, b"\x06\0")
     text = dcf(EPOS2_70_10, 1, 1_000_000, bench.values())
     path = tmp_path / "node1.dcf"
     path.write_text(text, encoding="ascii")
@@ -147,12 +148,12 @@ def test_a_client_that_loads_our_configuration_file(bench: Bench, tmp_path: Path
     try:
         other.node.load_configuration()
         assert other.node.sdo[0x6081].raw == 777
-        assert other.drive.store.read(at.CONTROLWORD) == b"\0\0", "a command is no configuration"
+        assert other.drive.store.read(od.CONTROLWORD) == b"\0\0", "a command is no configuration"
         differing = {
             str(address): (value, other.values()[address])
             for address, value in bench.values().items()
             if OBJECTS[address].access.writable
-            and address != at.CONTROLWORD
+            and address != od.CONTROLWORD
             and other.values()[address] != value
         }
         assert differing == {}
@@ -220,5 +221,5 @@ def test_the_serial_number_that_is_reported_is_the_one_that_answers() -> None:
     profile = numbered(EPOS2_70_10, NEAR + 6)
     reported = profile.differing(NEAR + 6)
     drive = Epos2(NEAR + 6, ServoAxis("drive", 2000), profile)
-    for address in (at.SERIAL_NUMBER, at.Address(0x2004)):
+    for address in (od.SERIAL_NUMBER, Address(0x2004)):
         assert int.from_bytes(drive.store.read(address), "little") == reported[address]

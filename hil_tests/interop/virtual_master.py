@@ -15,11 +15,11 @@ from canopen.profiles.p402 import BaseNode402
 
 from emulators.wires import CanWire
 from emulators.world import World
+from firmware_bridge.canopen.cia301 import SYNC
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.can import REMOTE, identifier
-from firmware_bridge.wire.canopen import SYNC
 
 PATIENCE_S: Final = 30.0
 SYNC_PERIOD: Final[Nanoseconds] = 10 * MILLISECOND

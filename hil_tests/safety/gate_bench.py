@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from typing import Any, Final, TypeAlias
 
+from firmware_bridge.canopen import cia402
 from firmware_bridge.drivers.driver import Feedback, Power, Reports
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.motion.pose import Pose
@@ -13,7 +14,6 @@ from firmware_bridge.robots.rars.geometry import RarsGeometry
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.safety import gate, snapshot
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire import cia402
 
 Rars: TypeAlias = Robot[RarsGeometry]
 Gate: TypeAlias = gate.Gate

@@ -2,14 +2,14 @@
 
 from typing import Final
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard import Refusal, guarded
 from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon.frame import MaxonAnswer
 from firmware_bridge.wire.maxon.messages import Done, ObjectRead, ReadObject, Request, WriteObject
 from firmware_bridge.wire.maxon.opcodes import encode_answer
@@ -44,7 +44,7 @@ def writing(node: int, address: Address, raw: bytes) -> Packet:
 
 
 def word(node: int, controlword: int) -> Packet:
-    return writing(node, at.CONTROLWORD, controlword.to_bytes(2, "little"))
+    return writing(node, od.CONTROLWORD, controlword.to_bytes(2, "little"))
 
 
 def number(node: int, address: Address, value: int) -> Packet:
@@ -52,11 +52,11 @@ def number(node: int, address: Address, value: int) -> Packet:
 
 
 def speed(rpm: int, node: int = LEFT) -> Packet:
-    return number(node, at.TARGET_VELOCITY, rpm)
+    return number(node, od.TARGET_VELOCITY, rpm)
 
 
 def target(node: int, quadcounts: int) -> Packet:
-    return number(node, at.TARGET_POSITION, quadcounts)
+    return number(node, od.TARGET_POSITION, quadcounts)
 
 
 def done(packet: Packet) -> Packet:

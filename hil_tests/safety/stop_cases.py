@@ -4,11 +4,11 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.drivers.driver import Homed, Position, Speed, Stop
 from firmware_bridge.intent import NEVER_RECEIVED, AgeLimit
 from firmware_bridge.safety.snapshot import Tracking
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.cia402 import PowerState
 from hil_tests.safety.gate_bench import above, stated
 
 START: Final = 100 * SECOND

@@ -8,12 +8,12 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.drivers.driver import Power
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars.rules import tipping_speed
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND
-from firmware_bridge.wire.cia402 import PowerState
 from hil_tests.lanes import examples
 from hil_tests.safety.gate_bench import Ruling, Snapshot, base_stopped, gate_of, lift_free, stated, well
 

@@ -4,9 +4,9 @@ from typing import Final
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.safety.guard_bench import Bench, position, sample, status, wheel, write
 from hil_tests.safety.guard_robots import RARS
 from hil_tests.safety.serial_bench import SerialBench, done, number, reading, speed, target, value, word
@@ -102,8 +102,8 @@ def test_over_can_a_watch_ends_only_after_a_word_without_power() -> None:
 
 
 def test_over_a_serial_line_it_is_the_same() -> None:
-    ends = number(1, at.CONSUMER_HEARTBEAT_1, 0)
-    requests = reading(1, at.STATUSWORD)
+    ends = number(1, od.CONSUMER_HEARTBEAT_1, 0)
+    requests = reading(1, od.STATUSWORD)
 
     def reports(desk: SerialBench, statusword: int) -> None:
         for packet in desk.states(requests):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import Mode, PowerState
 from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_words import (
     DISABLE_VOLTAGE,
@@ -14,7 +16,6 @@ from firmware_bridge.safety.guard.epos2_words import (
     GuardedSetPoint,
 )
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.cia402 import Mode, PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.safety.guard_robots import RARS
 
@@ -44,7 +45,7 @@ def test_before_any_word_what_takes_the_power_is_in_force() -> None:
 def test_the_word_that_starts_a_homing_moves_while_its_drive_has_not_stated_that_it_does_not() -> None:
     one = axis("lift")
     assert one.moves_with(GuardedSetPoint(START_HOMING, 0)) is True
-    one.read(at.HOMING_METHOD, (35).to_bytes(1, "little"))
+    one.read(od.HOMING_METHOD, (35).to_bytes(1, "little"))
     assert one.moves_with(GuardedSetPoint(START_HOMING, FAR)) is False
 
 
@@ -129,9 +130,9 @@ def test_another_mode_drops_where_the_axis_was_sent_and_its_own_does_not() -> No
     one = axis("lift")
     sends(one, NEW_SET_POINT, FAR)
     sends(one, ENABLE, FAR)
-    one.wrote(at.HOME_OFFSET, bytes(4))
+    one.wrote(od.HOME_OFFSET, bytes(4))
     assert one.moving
-    one.wrote(at.MODE, int(Mode.HOMING).to_bytes(1, "little", signed=True))
+    one.wrote(od.MODE, int(Mode.HOMING).to_bytes(1, "little", signed=True))
     assert not one.moving
 
 
@@ -140,9 +141,9 @@ def test_a_place_that_was_rested_at_is_forgotten_with_another_mode() -> None:
     sends(one, HALT)
     one.reports_position(500, 5 * CYCLE)
     assert not one.moves_with(GuardedSetPoint(NEW_SET_POINT, 501))
-    one.wrote(at.HOME_OFFSET, bytes(4))
+    one.wrote(od.HOME_OFFSET, bytes(4))
     assert not one.moves_with(GuardedSetPoint(NEW_SET_POINT, 501))
-    one.wrote(at.MODE, int(Mode.HOMING).to_bytes(1, "little", signed=True))
+    one.wrote(od.MODE, int(Mode.HOMING).to_bytes(1, "little", signed=True))
     assert one.moves_with(GuardedSetPoint(NEW_SET_POINT, 501))
 
 
@@ -151,10 +152,10 @@ def test_who_states_that_its_homing_turns_nothing_is_in_nobodys_way() -> None:
     one, other = axis("lift"), axis("left")
     sends(other, ENABLE, 100)
     one.all = other.all = (one, other)
-    one.wrote(at.MODE, int(Mode.HOMING).to_bytes(1, "little"))
-    one.read(at.MODE_DISPLAY, int(Mode.HOMING).to_bytes(1, "little"))
+    one.wrote(od.MODE, int(Mode.HOMING).to_bytes(1, "little"))
+    one.read(od.MODE_DISPLAY, int(Mode.HOMING).to_bytes(1, "little"))
     one.read(at.HOME_POSITION, bytes(4))
     start = START_HOMING.to_bytes(2, "little")
-    assert one.refuses_write(at.CONTROLWORD, start, (one,), by_object=True) is not None
-    one.read(at.HOMING_METHOD, (35).to_bytes(1, "little"))
-    assert one.refuses_write(at.CONTROLWORD, start, (one,), by_object=True) is None
+    assert one.refuses_write(od.CONTROLWORD, start, (one,), by_object=True) is not None
+    one.read(od.HOMING_METHOD, (35).to_bytes(1, "little"))
+    assert one.refuses_write(od.CONTROLWORD, start, (one,), by_object=True) is None

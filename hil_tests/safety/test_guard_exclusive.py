@@ -5,10 +5,10 @@ from typing import Final, TypeAlias
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from hil_tests.safety.guard_bench import Bench, position, sample, status, status_read, wheel, write
 from hil_tests.safety.guard_robots import RARS
 from hil_tests.safety.serial_bench import SerialBench, done, reading, speed, target, value, word
@@ -243,7 +243,7 @@ def test_a_lift_that_was_reset_rests_nowhere_known(pair: Bench, command: str) ->
 
 def test_on_a_serial_line_a_position_that_was_read_reports_where_the_lift_rests() -> None:
     desk = SerialBench()
-    where, what = reading(4, at.POSITION_ACTUAL), reading(4, at.STATUSWORD)
+    where, what = reading(4, od.POSITION_ACTUAL), reading(4, od.STATUSWORD)
     going = (target(4, 90_000), word(4, ENABLE), word(4, GO), word(4, ENABLE), word(1, ENABLE))
     desk.states(*going, what, where)
     for packet in going:
@@ -295,7 +295,7 @@ def test_a_lift_that_goes_on_is_there_a_cycle_later_at_the_earliest(pair: Bench)
     assert pair.refuses(wheel(1, ENABLE, 1), 2 * CYCLE - 1)[0] == LEFT_MOVES
 
 
-@pytest.mark.parametrize("other", [at.TARGET_POSITION, at.POSITION_DEMAND, at.VELOCITY_ACTUAL])
+@pytest.mark.parametrize("other", [od.TARGET_POSITION, od.POSITION_DEMAND, od.VELOCITY_ACTUAL])
 def test_what_else_is_read_on_a_serial_line_reports_no_position(other: Address) -> None:
     desk = SerialBench()
     requested = reading(4, other)

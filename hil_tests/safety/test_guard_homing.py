@@ -7,6 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.drivers.epos2.zero import rows_of
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
@@ -14,7 +16,6 @@ from firmware_bridge.robot_types import parse
 from firmware_bridge.safety.guard.zeroing import by_file
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from hil_tests.safety import guard_bench, serial_bench
 from hil_tests.safety.guard_bench import raw
 from hil_tests.safety.test_guard_zero import (
@@ -36,10 +37,10 @@ from hil_tests.scenarios.homed import TEXT, homed, text_of
 
 SIZE: Final = {
     **SIZES,
-    at.HOME_OFFSET: 4,
-    at.HOMING_SPEED_SWITCH: 4,
-    at.HOMING_SPEED_ZERO: 4,
-    at.HOMING_ACCELERATION: 4,
+    od.HOME_OFFSET: 4,
+    od.HOMING_SPEED_SWITCH: 4,
+    od.HOMING_SPEED_ZERO: 4,
+    od.HOMING_ACCELERATION: 4,
     at.HOMING_CURRENT: 2,
 }
 ROBOT: Final = homed(FILE, STEERS)
@@ -116,12 +117,12 @@ Made: TypeAlias = Callable[[], Line]
 BOTH: Final = pytest.mark.parametrize("made", [OverCan, OverSerial], ids=["can", "serial"])
 VALUES: Final = {
     at.HOME_POSITION: 0,
-    at.HOME_OFFSET: OFFSET_QC,
-    at.HOMING_SPEED_SWITCH: FAST,
-    at.HOMING_SPEED_ZERO: SLOW,
-    at.HOMING_ACCELERATION: RAMP,
+    od.HOME_OFFSET: OFFSET_QC,
+    od.HOMING_SPEED_SWITCH: FAST,
+    od.HOMING_SPEED_ZERO: SLOW,
+    od.HOMING_ACCELERATION: RAMP,
     at.HOMING_CURRENT: CURRENT,
-    at.HOMING_METHOD: -4,
+    od.HOMING_METHOD: -4,
 }
 """All at their bounds."""
 NO_WORD: Final = "the drive has not reported that its homing moves no more than the file allows"
@@ -131,30 +132,30 @@ def prepared(
     line: Line, *, reports: dict[Address, int] | None = None, without: Address | None = None
 ) -> Line:
     """Write what the homing of the lift hangs on; let its drive say the same, but what the test changes."""
-    line.reports(LIFT, at.STATUSWORD, ENABLED)
+    line.reports(LIFT, od.STATUSWORD, ENABLED)
     line.position(HALT, 0)
     for address, value in VALUES.items():
         assert line.writes(LIFT, address, value) is None
         if address != without:
             line.reports(LIFT, address, (reports or {}).get(address, value))
-    assert line.writes(LIFT, at.MODE, 6) is None
-    line.reports(LIFT, at.MODE_DISPLAY, 6)
-    assert line.writes(LIFT, at.CONTROLWORD, ENABLE) is None
+    assert line.writes(LIFT, od.MODE, 6) is None
+    line.reports(LIFT, od.MODE_DISPLAY, 6)
+    assert line.writes(LIFT, od.CONTROLWORD, ENABLE) is None
     return line
 
 
 def started(made: Made) -> Line:
     line = prepared(made())
-    assert line.writes(LIFT, at.CONTROLWORD, START) is None
+    assert line.writes(LIFT, od.CONTROLWORD, START) is None
     return line
 
 
 @BOTH
 def test_the_whole_of_it_passes(made: Made) -> None:
     line = started(made)
-    assert line.writes(LIFT, at.CONTROLWORD, HALT) is None
-    assert line.writes(LIFT, at.MODE, 1) is None
-    line.reports(LIFT, at.MODE_DISPLAY, 1)
+    assert line.writes(LIFT, od.CONTROLWORD, HALT) is None
+    assert line.writes(LIFT, od.MODE, 1) is None
+    line.reports(LIFT, od.MODE_DISPLAY, 1)
     assert line.position(NEW_POSITION, 12_345) is None
     line.position(HALT, 0)
 
@@ -162,7 +163,7 @@ def test_the_whole_of_it_passes(made: Made) -> None:
 @BOTH
 @pytest.mark.parametrize("without", VALUES)
 def test_the_start_needs_each_word_of_the_drives(made: Made, without: Address) -> None:
-    assert prepared(made(), without=without).writes(LIFT, at.CONTROLWORD, START) == NO_WORD
+    assert prepared(made(), without=without).writes(LIFT, od.CONTROLWORD, START) == NO_WORD
 
 
 @BOTH
@@ -171,43 +172,43 @@ def test_the_start_needs_each_word_of_the_drives(made: Made, without: Address) -
     [
         (at.HOME_POSITION, 1),
         (at.HOME_POSITION, -1),
-        (at.HOME_OFFSET, OFFSET_QC + 1),
-        (at.HOME_OFFSET, -OFFSET_QC),
-        (at.HOMING_SPEED_SWITCH, FAST + 1),
-        (at.HOMING_SPEED_SWITCH, 0),
-        (at.HOMING_SPEED_ZERO, SLOW + 1),
-        (at.HOMING_ACCELERATION, RAMP + 1),
+        (od.HOME_OFFSET, OFFSET_QC + 1),
+        (od.HOME_OFFSET, -OFFSET_QC),
+        (od.HOMING_SPEED_SWITCH, FAST + 1),
+        (od.HOMING_SPEED_SWITCH, 0),
+        (od.HOMING_SPEED_ZERO, SLOW + 1),
+        (od.HOMING_ACCELERATION, RAMP + 1),
         (at.HOMING_CURRENT, CURRENT + 1),
-        (at.HOMING_METHOD, -3),
-        (at.HOMING_METHOD, 17),
-        (at.HOMING_METHOD, 0),
+        (od.HOMING_METHOD, -3),
+        (od.HOMING_METHOD, 17),
+        (od.HOMING_METHOD, 0),
     ],
 )
 def test_a_drive_that_states_anything_else_is_not_started(made: Made, address: Address, value: int) -> None:
-    assert prepared(made(), reports={address: value}).writes(LIFT, at.CONTROLWORD, START) == NO_WORD
+    assert prepared(made(), reports={address: value}).writes(LIFT, od.CONTROLWORD, START) == NO_WORD
 
 
 @BOTH
 @pytest.mark.parametrize(
     ("address", "value"),
-    [(at.HOMING_SPEED_SWITCH, 1), (at.HOMING_ACCELERATION, RAMP - 1), (at.HOMING_CURRENT, 1)],
+    [(od.HOMING_SPEED_SWITCH, 1), (od.HOMING_ACCELERATION, RAMP - 1), (at.HOMING_CURRENT, 1)],
 )
 def test_slower_and_weaker_is_as_good(made: Made, address: Address, value: int) -> None:
-    assert prepared(made(), reports={address: value}).writes(LIFT, at.CONTROLWORD, START) is None
+    assert prepared(made(), reports={address: value}).writes(LIFT, od.CONTROLWORD, START) is None
 
 
 @BOTH
 @pytest.mark.parametrize(
     ("address", "value"),
     [
-        (at.HOMING_METHOD, -3),
-        (at.HOMING_METHOD, 33),
-        (at.HOMING_SPEED_SWITCH, FAST + 1),
-        (at.HOMING_SPEED_ZERO, SLOW + 1),
-        (at.HOMING_ACCELERATION, RAMP + 1),
+        (od.HOMING_METHOD, -3),
+        (od.HOMING_METHOD, 33),
+        (od.HOMING_SPEED_SWITCH, FAST + 1),
+        (od.HOMING_SPEED_ZERO, SLOW + 1),
+        (od.HOMING_ACCELERATION, RAMP + 1),
         (at.HOMING_CURRENT, CURRENT + 1),
-        (at.HOME_OFFSET, OFFSET_QC - 1),
-        (at.HOMING_SPEED_SWITCH, 0),
+        (od.HOME_OFFSET, OFFSET_QC - 1),
+        (od.HOMING_SPEED_SWITCH, 0),
     ],
 )
 def test_nothing_beyond_the_file_is_written(made: Made, address: Address, value: int) -> None:
@@ -223,12 +224,12 @@ def test_a_wheel_has_none_of_these(made: Made, address: Address) -> None:
 @BOTH
 def test_to_confirm_is_as_good_as_ever(made: Made) -> None:
     line = made()
-    line.reports(LIFT, at.STATUSWORD, ENABLED)
+    line.reports(LIFT, od.STATUSWORD, ENABLED)
     line.position(HALT, 0)
-    for address, value in ((at.HOME_POSITION, 12_345), (at.HOMING_METHOD, 35), (at.MODE, 6)):
+    for address, value in ((at.HOME_POSITION, 12_345), (od.HOMING_METHOD, 35), (od.MODE, 6)):
         assert line.writes(LIFT, address, value) is None
-        line.reports(LIFT, at.MODE_DISPLAY if address == at.MODE else address, value)
-    assert line.writes(LIFT, at.CONTROLWORD, START) is None
+        line.reports(LIFT, od.MODE_DISPLAY if address == od.MODE else address, value)
+    assert line.writes(LIFT, od.CONTROLWORD, START) is None
     assert line.goes(STEER, 20_000) is None, "it moves nothing, and keeps no one"
 
 
@@ -237,7 +238,7 @@ def test_a_place_elsewhere_belongs_to_its_file(made: Made) -> None:
     """Check the home position: by the file's method it must be the file's; by 35 any within travel."""
     kind = type(made())
     line = prepared(kind(PLACED))
-    assert line.writes(LIFT, at.CONTROLWORD, START) == NO_WORD
+    assert line.writes(LIFT, od.CONTROLWORD, START) == NO_WORD
 
 
 @BOTH
@@ -253,18 +254,18 @@ def test_while_it_homes_nothing_else_is_commanded_to_move(made: Made) -> None:
 def test_it_is_not_started_while_something_moves(made: Made) -> None:
     line = prepared(made())
     assert line.goes(STEER, 20_000) is None
-    refused = line.writes(LIFT, at.CONTROLWORD, START)
+    refused = line.writes(LIFT, od.CONTROLWORD, START)
     assert refused == "a homing started while node 3 may move"
 
 
 @BOTH
 def test_it_is_not_started_twice(made: Made) -> None:
-    refused = started(made).writes(LIFT, at.CONTROLWORD, START)
+    refused = started(made).writes(LIFT, od.CONTROLWORD, START)
     assert refused == "a homing started while node 4 may move"
 
 
 @BOTH
-@pytest.mark.parametrize("address", [*VALUES, at.MODE])
+@pytest.mark.parametrize("address", [*VALUES, od.MODE])
 def test_nothing_that_it_hangs_on_is_written_meanwhile(made: Made, address: Address) -> None:
     assert started(made).writes(LIFT, address, VALUES.get(address, 1)) is not None
 
@@ -323,9 +324,9 @@ def test_another_link_counts_as_well() -> None:
     line.far = True
     prepared(line)
     assert line.goes(STEER, 20_000) is None
-    assert line.writes(LIFT, at.CONTROLWORD, START) == "a homing started while node 3 may move"
+    assert line.writes(LIFT, od.CONTROLWORD, START) == "a homing started while node 3 may move"
     line.rests(1)
-    assert line.writes(LIFT, at.CONTROLWORD, START) is None
+    assert line.writes(LIFT, od.CONTROLWORD, START) is None
     assert line.goes(STEER, 20_000) == "homing: steering may not move while scissor lift is homing"
 
 

@@ -6,6 +6,8 @@ from typing import Any, Final
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.node import LINE_LOST
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
@@ -13,8 +15,6 @@ from firmware_bridge.safety.guard import Guarded
 from firmware_bridge.safety.guard.epos2_can import Epos2CanRules
 from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
 from firmware_bridge.units import MILLISECOND, NEVER
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon.messages import ReadObject, WriteObject
 from firmware_bridge.wire.maxon.packets import command
 from hil_tests.safety.guard_bench import Bench
@@ -148,25 +148,25 @@ def mixed() -> Bench:
 def test_a_bus_and_a_serial_line_live_side_by_side(mixed: Bench) -> None:
     kinds = {name: type(rules) for name, rules in mixed.guard.links.items()}
     assert kinds == {"base": Epos2CanRules, "tail": Epos2SerialRules}
-    stated = (speed("base", 900), writing(at.TARGET_VELOCITY, 300), writing(at.CONTROLWORD, ENABLE))
+    stated = (speed("base", 900), writing(od.TARGET_VELOCITY, 300), writing(od.CONTROLWORD, ENABLE))
     assert mixed.states(*stated) == stated
 
 
 def test_on_a_mixed_robot_the_node_is_answered_for_what_it_requested_on_the_line(mixed: Bench) -> None:
-    mixed.states(speed("base", 900), writing(at.TARGET_VELOCITY, 300), writing(at.CONTROLWORD, ENABLE))
+    mixed.states(speed("base", 900), writing(od.TARGET_VELOCITY, 300), writing(od.CONTROLWORD, ENABLE))
     done = Packet("tail", 0x11, bytes(4))
     assert received(mixed.guard, done)
     assert received(mixed.guard, done)
     mixed.states(speed("base", 900), now=1)
-    _, sent = mixed.refuses(writing(at.TARGET_VELOCITY, 301), 1)
-    assert sent == (speed("base", 0), writing(at.TARGET_VELOCITY, 0), writing(at.CONTROLWORD, ENABLE))
+    _, sent = mixed.refuses(writing(od.TARGET_VELOCITY, 301), 1)
+    assert sent == (speed("base", 0), writing(od.TARGET_VELOCITY, 0), writing(od.CONTROLWORD, ENABLE))
     assert not received(mixed.guard, done)
     assert received(mixed.guard, done)
 
 
 def test_a_line_that_stands_keeps_the_guard_s_words_from_piling_up_and_no_other_link_s(mixed: Bench) -> None:
-    mixed.states(speed("base", 900), writing(at.TARGET_VELOCITY, 300), writing(at.CONTROLWORD, ENABLE))
-    stops = (writing(at.TARGET_VELOCITY, 0), writing(at.CONTROLWORD, ENABLE))
+    mixed.states(speed("base", 900), writing(od.TARGET_VELOCITY, 300), writing(od.CONTROLWORD, ENABLE))
+    stops = (writing(od.TARGET_VELOCITY, 0), writing(od.CONTROLWORD, ENABLE))
     assert mixed.states(now=3 * CYCLE) == (speed("base", 0), *stops)
     assert mixed.states(now=4 * CYCLE) == (speed("base", 0),)
     mixed.guard.receive(Packet("tail", LINE_LOST, b""), 4 * CYCLE)
@@ -197,17 +197,17 @@ def test_where_several_are_silent_the_shortest_patience_is_reported() -> None:
 
 
 def test_a_target_on_the_line_counts_once_it_is_in_force(mixed: Bench) -> None:
-    mixed.states(writing(at.TARGET_VELOCITY, 100), writing(at.CONTROLWORD, ENABLE), speed("base", 100))
-    mixed.states(writing(at.TARGET_VELOCITY, 500), now=1)
+    mixed.states(writing(od.TARGET_VELOCITY, 100), writing(od.CONTROLWORD, ENABLE), speed("base", 100))
+    mixed.states(writing(od.TARGET_VELOCITY, 500), now=1)
     assert mixed.states(speed("base", 700), now=1) == (speed("base", 700),)
-    mixed.states(writing(at.TARGET_VELOCITY, 500), now=2)
+    mixed.states(writing(od.TARGET_VELOCITY, 500), now=2)
     assert mixed.refuses(speed("base", 701), 2)[0] == "both of 1201.0000 is beyond 1200.0000"
 
 
 def test_a_sum_that_the_line_s_axis_passes_is_stopped_after_a_cycle(mixed: Bench) -> None:
-    mixed.states(speed("base", 900), writing(at.TARGET_VELOCITY, 300), writing(at.CONTROLWORD, ENABLE))
-    beyond = writing(at.TARGET_VELOCITY, 301)
+    mixed.states(speed("base", 900), writing(od.TARGET_VELOCITY, 300), writing(od.CONTROLWORD, ENABLE))
+    beyond = writing(od.TARGET_VELOCITY, 301)
     assert mixed.states(beyond, now=1) == (beyond,)
-    stops = (speed("base", 0), writing(at.TARGET_VELOCITY, 0), writing(at.CONTROLWORD, ENABLE))
+    stops = (speed("base", 0), writing(od.TARGET_VELOCITY, 0), writing(od.CONTROLWORD, ENABLE))
     assert mixed.guard.wake(CYCLE).sent == ()
     assert mixed.guard.wake(CYCLE + 1).sent == stops

@@ -4,10 +4,10 @@ from typing import Final
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import SECOND
-from firmware_bridge.wire.cia402 import PowerState
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.safety.guard_bench import (
     LINK,
     Bench,
@@ -163,8 +163,8 @@ def test_what_a_drive_reports_reaches_the_node(bench: Bench) -> None:
     assert [packet for packet, _ in bench.scripted.received] == list(packets)
 
 
-WATCH_OFF: Final = number(1, at.CONSUMER_HEARTBEAT_1, 0)
-REQUESTED: Final = reading(1, at.STATUSWORD)
+WATCH_OFF: Final = number(1, od.CONSUMER_HEARTBEAT_1, 0)
+REQUESTED: Final = reading(1, od.STATUSWORD)
 
 
 def test_on_a_serial_line_the_answer_to_a_read_statusword_reports_of_power() -> None:
@@ -182,9 +182,9 @@ def test_on_a_serial_line_the_answer_to_a_read_statusword_reports_of_power() -> 
 @pytest.mark.parametrize(
     ("requested", "answer"),
     [
-        (reading(2, at.STATUSWORD), value(REQUESTED, b"\x37\x01")),
-        (reading(1, at.CONTROLWORD), value(REQUESTED, b"\x37\x01")),
-        (number(1, at.MODE, 3), value(REQUESTED, b"\x37\x01")),
+        (reading(2, od.STATUSWORD), value(REQUESTED, b"\x37\x01")),
+        (reading(1, od.CONTROLWORD), value(REQUESTED, b"\x37\x01")),
+        (number(1, od.MODE, 3), value(REQUESTED, b"\x37\x01")),
         (REQUESTED, value(REQUESTED, b"\x37\x01", error=0x0504_0000)),
         (REQUESTED, Packet(LINK, 0x110, b"silence")),
         (REQUESTED, Packet(LINK, 0x10, b"")),
@@ -201,7 +201,7 @@ def test_other_answers_say_nothing_of_power(requested: Packet, answer: Packet) -
 
 def test_answers_are_taken_in_the_order_of_their_commands() -> None:
     desk = SerialBench()
-    desk.states(REQUESTED, reading(1, at.CONTROLWORD), REQUESTED)
+    desk.states(REQUESTED, reading(1, od.CONTROLWORD), REQUESTED)
     desk.receives(value(REQUESTED, b"\x37\x01"))
     desk.receives(value(REQUESTED, b"\x40\x01"))
     assert WATCH_OFF not in desk.states(WATCH_OFF)

@@ -4,14 +4,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.drivers.epos2.serial.link import guarding, heartbeat
 from firmware_bridge.drivers.epos2.setup import configuration, farewell, through_gateway
 from firmware_bridge.node import CAN, LINE_BACK, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.canopen import NmtCommand
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.messages import Request, SendCanFrame, SendNmtService, WriteObject
 from firmware_bridge.wire.maxon.opcodes import ROWS
@@ -54,7 +54,7 @@ def desk() -> SerialBench:
     *(target(LIFT, end) for end in ENDS[LIFT]),
     *(word(LEFT, value) for value in (0, 2, 6, 7, QUICK_STOP, ENABLE, HALT, 0x80)),
     word(STEER, NEW_POSITION),
-    reading(4, at.STATUSWORD),
+    reading(4, od.STATUSWORD),
     states(heartbeat(ROBOT.epos2_link(LINK))),
     states(guarding(ROBOT.epos2_link(LINK), NODES)),
     *(states(SendNmtService(node, NmtCommand.START)) for node in (0, 1, 2, 3, 4)),
@@ -66,7 +66,7 @@ def test_what_is_listed_leaves_as_it_is(desk: SerialBench, packet: Packet) -> No
 
 def confirms_no_power(desk: SerialBench, node: int) -> None:
     """Let a drive answer that it is switched off; earlier requests are answered first."""
-    requested = reading(node, at.STATUSWORD)
+    requested = reading(node, od.STATUSWORD)
     desk.guard.receive(Packet(LINK, LINE_BACK, b""), 0)
     desk.states(requested)
     desk.receives(value(requested, b"\x40\x01"))
@@ -92,14 +92,14 @@ def test_the_whole_set_up_of_every_drive_leaves_as_it_is(desk: SerialBench) -> N
     (speed(0, STEER), "0x60FF is not an object that may be written"),
     (word(LEFT, NEW_POSITION), "0x6040 set to 63"),
     (word(LEFT, 0x7F), "0x6040 set to 127"),
-    (number(LEFT, at.CONTROLWORD, 0x1_000F), "0x6040 written with more than its 2 bytes"),
-    (number(LEFT, at.PROFILE_ACCELERATION, 5_701), "0x6083 set to"),
-    (number(LEFT, at.CONSUMER_HEARTBEAT_1, 100 << 16 | 200), "0x1016:01 set to"),
-    (number(LEFT, at.PRODUCER_HEARTBEAT, 100), "0x1017 set to 100"),
+    (number(LEFT, od.CONTROLWORD, 0x1_000F), "0x6040 written with more than its 2 bytes"),
+    (number(LEFT, od.PROFILE_ACCELERATION, 5_701), "0x6083 set to"),
+    (number(LEFT, od.CONSUMER_HEARTBEAT_1, 100 << 16 | 200), "0x1016:01 set to"),
+    (number(LEFT, od.PRODUCER_HEARTBEAT, 100), "0x1017 set to 100"),
     (number(LEFT, Address(0x1010, 1), 0x6576_6173), "0x1010:01 is not an object"),
     (speed(0, 5), "node 5 is not listed"),
     (speed(0, 0), "node 0 is not listed"),
-    (reading(9, at.STATUSWORD), "node 9 is not listed"),
+    (reading(9, od.STATUSWORD), "node 9 is not listed"),
     (states(SendNmtService(1, NmtCommand.STOP)), "network command 2 is not listed"),
     (states(SendNmtService(7, NmtCommand.START)), "node 7 is not listed"),
     (states(SendNmtService(257, NmtCommand.START)), "node 257 is not listed"),
@@ -165,7 +165,7 @@ def test_a_moving_drive_keeps_its_network_state(desk: SerialBench) -> None:
 
 
 def test_the_watch_of_a_drive_with_power_is_not_ended(desk: SerialBench) -> None:
-    off = number(LEFT, at.CONSUMER_HEARTBEAT_1, 0)
+    off = number(LEFT, od.CONSUMER_HEARTBEAT_1, 0)
     assert off not in desk.states(off), "it has sent nothing yet"
     confirms_no_power(desk, LEFT)
     assert desk.states(off) == (off,)
@@ -214,7 +214,7 @@ def test_network_commands_to_other_drives_leave_while_one_moves_but_none_to_all(
 
 def test_power_is_taken_off_and_a_watch_set_at_any_time(desk: SerialBench) -> None:
     desk.states(word(LEFT, ENABLE))
-    watch = number(LEFT, at.CONSUMER_HEARTBEAT_1, 2 << 16 | 200)
+    watch = number(LEFT, od.CONSUMER_HEARTBEAT_1, 2 << 16 | 200)
     for packet in (watch, word(LEFT, 0)):
         assert desk.states(packet) == (packet,)
     assert desk.guard.refused == 0
@@ -226,7 +226,7 @@ def test_the_operator_s_datagrams_pass(desk: SerialBench) -> None:
 
 
 ANY_NODE = st.integers(0, 6)
-OBJECTS = st.sampled_from([at.CONTROLWORD, at.TARGET_VELOCITY, at.TARGET_POSITION, at.MODE])
+OBJECTS = st.sampled_from([od.CONTROLWORD, od.TARGET_VELOCITY, od.TARGET_POSITION, od.MODE])
 RAW = st.one_of(
     st.binary(min_size=4, max_size=4), st.integers(0, 0x13F).map(lambda value: value.to_bytes(4, "little"))
 )
@@ -248,5 +248,5 @@ def test_whatever_the_node_states_no_target_beyond_its_bounds_leaves(stated: lis
             assert left is not None
             # Rules on the drives' own reports are for a guard that receives them.
             assert RULES.refuses(packet, 0) is None
-            if isinstance(left, messages.WriteObject) and left.index == at.TARGET_VELOCITY.index:
+            if isinstance(left, messages.WriteObject) and left.index == od.TARGET_VELOCITY.index:
                 assert abs(int.from_bytes(left.raw, "little", signed=True)) <= TOP

@@ -2,10 +2,10 @@
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
 from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon import messages
 from hil_tests.safety.guard_bench import LINK
 from hil_tests.safety.serial_bench import (
@@ -53,7 +53,7 @@ def test_the_guard_does_not_pile_up_words_on_a_line_that_stands(desk: SerialBenc
 def test_answers_to_the_guard_s_own_words_are_not_the_node_s(desk: SerialBench) -> None:
     desk.states(word(LIFT, HALT))
     assert desk.receives(done(word(LIFT, HALT)))
-    desk.states(reading(1, at.STATUSWORD), states(messages.SendLssFrame(bytes(8))))
+    desk.states(reading(1, od.STATUSWORD), states(messages.SendLssFrame(bytes(8))))
     assert desk.receives(Packet(LINK, 0x10, bytes(8)))
     assert not desk.receives(done(word(LIFT, HALT)))
 
@@ -70,7 +70,7 @@ def test_what_left_before_the_line_was_lost_is_answered_no_more(desk: SerialBenc
     assert desk.receives(Packet(LINK, LINE_LOST, b""))
     desk.states(speed(TOP + 1))
     assert desk.receives(Packet(LINK, LINE_BACK, b""))
-    desk.states(reading(1, at.STATUSWORD))
+    desk.states(reading(1, od.STATUSWORD))
     assert desk.receives(Packet(LINK, 0x10, bytes(8)))
 
 

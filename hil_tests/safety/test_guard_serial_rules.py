@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.node import LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import find, names
@@ -12,9 +15,6 @@ from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
 from firmware_bridge.safety.guard.epos2_words import NEW_SET_POINT, GuardedSetPoint
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.canopen import NmtCommand
-from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon.messages import SendCanFrame, SendNmtService
 from hil_tests.safety.guard_bench import LINK, Bench, ScriptedNode, position, wheel
 from hil_tests.safety.guard_robots import RARS
@@ -64,12 +64,12 @@ def moving(node: int) -> SerialBench:
 def test_who_moves_is_kept_from_being_made_unable_to_receive_and_may_be_started(node: int) -> None:
     desk = moving(node)
     for command in (NmtCommand.ENTER_PRE_OPERATIONAL, NmtCommand.RESET_COMMUNICATION):
-        for whom in (canopen.ALL_NODES, node):
+        for whom in (cia301.ALL_NODES, node):
             desk.states(states(SendNmtService(whom, command)))
             reason = f"node {node} moves and would look as if it had restarted"
             assert desk.refusals[-1].reason == reason
             desk = moving(node)
-    start = states(SendNmtService(canopen.ALL_NODES, NmtCommand.START))
+    start = states(SendNmtService(cia301.ALL_NODES, NmtCommand.START))
     assert desk.states(start) == (start,)
 
 
@@ -82,14 +82,14 @@ def test_all_are_reset_only_where_each_may_be() -> None:
     reset = states(SendNmtService(1, NmtCommand.RESET_NODE))
     later = 10_000 * MILLISECOND
     assert desk.guard.links[LINK].refuses(reset, later) is None
-    everybody = states(SendNmtService(canopen.ALL_NODES, NmtCommand.RESET_NODE))
+    everybody = states(SendNmtService(cia301.ALL_NODES, NmtCommand.RESET_NODE))
     assert "node 2 has been without an order" in str(desk.guard.links[LINK].refuses(everybody, later))
 
 
 def test_each_position_that_is_read_counts() -> None:
     desk = SerialBench()
     for place in (1_000, 400_000, 900_000):
-        read = reading(4, at.POSITION_ACTUAL)
+        read = reading(4, od.POSITION_ACTUAL)
         desk.states(read)
         desk.receives(value(read, place.to_bytes(4, "little")))
         (lift,) = (axis for axis in desk.guard.links[LINK].axes if axis.axis.name == "lift")
@@ -108,7 +108,7 @@ def test_an_answer_to_a_write_reports_nothing_of_the_drive() -> None:
 
 def test_a_line_that_is_gone_answers_nothing() -> None:
     desk = SerialBench()
-    read = reading(1, at.STATUSWORD)
+    read = reading(1, od.STATUSWORD)
     desk.states(read)
     desk.guard.receive(Packet(LINK, LINE_LOST, b""), 0)
     assert not desk.receives(value(read, (0x0137).to_bytes(2, "little")))

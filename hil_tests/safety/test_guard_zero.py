@@ -5,12 +5,13 @@ from typing import Final, Protocol, TypeAlias
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon.messages import SendNmtService
 from hil_tests.safety import guard_bench, serial_bench
 
@@ -18,11 +19,11 @@ LEFT, STEER, LIFT = 1, 3, 4
 LIFT_TOP: Final = 2_890_879
 SIZES: Final = {
     at.HOME_POSITION: 4,
-    at.HOMING_METHOD: 1,
-    at.MODE: 1,
-    at.MODE_DISPLAY: 1,
-    at.CONTROLWORD: 2,
-    at.STATUSWORD: 2,
+    od.HOMING_METHOD: 1,
+    od.MODE: 1,
+    od.MODE_DISPLAY: 1,
+    od.CONTROLWORD: 2,
+    od.STATUSWORD: 2,
 }
 ENABLE, HALT, START, NEW_POSITION = 0x000F, 0x010F, 0x001F, 0x003F
 ENABLED: Final = 0x0737
@@ -125,18 +126,18 @@ PLACE: Final = 12_345
 STEPS: Final = (
     ("writes", at.HOME_POSITION, PLACE),
     ("reports", at.HOME_POSITION, PLACE),
-    ("writes", at.HOMING_METHOD, 35),
-    ("reports", at.HOMING_METHOD, 35),
-    ("writes", at.MODE, 6),
-    ("reports", at.MODE_DISPLAY, 6),
-    ("writes", at.CONTROLWORD, ENABLE),
+    ("writes", od.HOMING_METHOD, 35),
+    ("reports", od.HOMING_METHOD, 35),
+    ("writes", od.MODE, 6),
+    ("reports", od.MODE_DISPLAY, 6),
+    ("writes", od.CONTROLWORD, ENABLE),
 )
 """All before the word that starts."""
 
 
 def prepared(line: Line, *changed: tuple[str, Address, int], without: int | None = None) -> Line:
     """Do the steps, one left out, and then the changed ones."""
-    line.reports(LIFT, at.STATUSWORD, ENABLED)
+    line.reports(LIFT, od.STATUSWORD, ENABLED)
     line.position(HALT, 0)
     for place, (how, address, value) in enumerate(STEPS):
         if place != without:
@@ -149,10 +150,10 @@ def prepared(line: Line, *changed: tuple[str, Address, int], without: int | None
 @BOTH
 def test_the_whole_of_it_passes(made: Made) -> None:
     line = prepared(made())
-    assert line.writes(LIFT, at.CONTROLWORD, START) is None
-    assert line.writes(LIFT, at.CONTROLWORD, HALT) is None
-    assert line.writes(LIFT, at.MODE, 1) is None
-    line.reports(LIFT, at.MODE_DISPLAY, 1)
+    assert line.writes(LIFT, od.CONTROLWORD, START) is None
+    assert line.writes(LIFT, od.CONTROLWORD, HALT) is None
+    assert line.writes(LIFT, od.MODE, 1) is None
+    line.reports(LIFT, od.MODE_DISPLAY, 1)
     assert line.position(NEW_POSITION, PLACE) is None
 
 
@@ -160,16 +161,16 @@ def test_the_whole_of_it_passes(made: Made) -> None:
 @pytest.mark.parametrize("place", [0, LIFT_TOP])
 def test_both_ends_of_the_travel_are_in_it(made: Made, place: int) -> None:
     line = prepared(made(), ("writes", at.HOME_POSITION, place), ("reports", at.HOME_POSITION, place))
-    assert line.writes(LIFT, at.CONTROLWORD, START) is None
+    assert line.writes(LIFT, od.CONTROLWORD, START) is None
 
 
 @BOTH
-@pytest.mark.parametrize(("address", "value"), [(at.MODE, 1), (at.HOME_POSITION, 6)])
+@pytest.mark.parametrize(("address", "value"), [(od.MODE, 1), (at.HOME_POSITION, 6)])
 def test_what_is_no_order_to_home_leaves_the_drive_in_its_mode(
     made: Made, address: Address, value: int
 ) -> None:
     line = made()
-    line.reports(LIFT, at.STATUSWORD, ENABLED)
+    line.reports(LIFT, od.STATUSWORD, ENABLED)
     line.position(HALT, 0)
     assert line.writes(LIFT, address, value) is None
     assert line.position(NEW_POSITION, PLACE) is None
@@ -179,13 +180,13 @@ def test_what_is_no_order_to_home_leaves_the_drive_in_its_mode(
 @pytest.mark.parametrize("without", [1, 3, 4, 5])
 def test_the_start_needs_each_word_of_the_drives(made: Made, without: int) -> None:
     line = made()
-    line.reports(LIFT, at.STATUSWORD, ENABLED)
+    line.reports(LIFT, od.STATUSWORD, ENABLED)
     line.position(HALT, 0)
     for place, (how, address, value) in enumerate(STEPS):
         if place != without:
             getattr(line, how)(LIFT, address, value)
     assert (
-        line.writes(LIFT, at.CONTROLWORD, START) == "the drive has not reported that its homing moves nothing"
+        line.writes(LIFT, od.CONTROLWORD, START) == "the drive has not reported that its homing moves nothing"
     )
 
 
@@ -193,37 +194,37 @@ def test_the_start_needs_each_word_of_the_drives(made: Made, without: int) -> No
 @pytest.mark.parametrize(
     ("address", "value"),
     [
-        (at.HOMING_METHOD, 7),
-        (at.HOMING_METHOD, 34),
-        (at.HOMING_METHOD, -3),
+        (od.HOMING_METHOD, 7),
+        (od.HOMING_METHOD, 34),
+        (od.HOMING_METHOD, -3),
         (at.HOME_POSITION, -1),
         (at.HOME_POSITION, LIFT_TOP + 1),
-        (at.MODE_DISPLAY, 1),
-        (at.MODE_DISPLAY, 7),
+        (od.MODE_DISPLAY, 1),
+        (od.MODE_DISPLAY, 7),
     ],
 )
 def test_and_it_must_be_the_right_word(made: Made, address: Address, value: int) -> None:
     line = prepared(made(), ("reports", address, value))
-    assert line.writes(LIFT, at.CONTROLWORD, START) is not None
+    assert line.writes(LIFT, od.CONTROLWORD, START) is not None
 
 
 @BOTH
 @pytest.mark.parametrize(
-    ("address", "value"), [(at.HOMING_METHOD, 35), (at.HOME_POSITION, PLACE), (at.MODE, 6)]
+    ("address", "value"), [(od.HOMING_METHOD, 35), (at.HOME_POSITION, PLACE), (od.MODE, 6)]
 )
 def test_what_was_stated_before_it_was_written_again_counts_no_more(
     made: Made, address: Address, value: int
 ) -> None:
     line = prepared(made(), ("writes", address, value))
-    assert line.writes(LIFT, at.CONTROLWORD, START) is not None
+    assert line.writes(LIFT, od.CONTROLWORD, START) is not None
 
 
 @BOTH
-@pytest.mark.parametrize("address", [at.HOMING_METHOD, at.HOME_POSITION, at.MODE])
+@pytest.mark.parametrize("address", [od.HOMING_METHOD, at.HOME_POSITION, od.MODE])
 def test_nothing_of_it_while_another_axis_may_move(made: Made, address: Address) -> None:
     line = made()
     line.wheel(100)
-    values = {at.HOMING_METHOD: 35, at.HOME_POSITION: PLACE, at.MODE: 6}
+    values = {od.HOMING_METHOD: 35, at.HOME_POSITION: PLACE, od.MODE: 6}
     assert line.writes(LIFT, address, values[address]) == f"{address} written while node 1 may move"
 
 
@@ -231,8 +232,8 @@ def test_nothing_of_it_while_another_axis_may_move(made: Made, address: Address)
 def test_no_new_position_in_homing_mode_and_no_other_mode_while_bit_4_is_up(made: Made) -> None:
     assert prepared(made()).position(NEW_POSITION, 0) == "a new position in homing mode"
     line = prepared(made())
-    assert line.writes(LIFT, at.CONTROLWORD, START) is None
-    assert line.writes(LIFT, at.MODE, 1) == "bit 4 is up, and would be a new position in another mode"
+    assert line.writes(LIFT, od.CONTROLWORD, START) is None
+    assert line.writes(LIFT, od.MODE, 1) == "bit 4 is up, and would be a new position in another mode"
 
 
 @pytest.mark.parametrize("unused", [b"\0\0\0", b"\x01\0\0", b"\xff\xff\xff"])
@@ -240,8 +241,8 @@ def test_bytes_of_a_write_that_are_not_used_do_not_count(unused: bytes) -> None:
     """CiA 301: an expedited download gives the number of its four bytes that contain no data."""
     line = OverCan()
     prepared(line)
-    assert line.writes(LIFT, at.CONTROLWORD, START) is None
-    mode = guard_bench.write(LIFT, at.MODE.index, at.MODE.subindex, b"\x01")
+    assert line.writes(LIFT, od.CONTROLWORD, START) is None
+    mode = guard_bench.write(LIFT, od.MODE.index, od.MODE.subindex, b"\x01")
     packet = Packet(mode.link, mode.address, mode.payload[:5] + unused)
     reason, _ = line.bench.refuses(packet, now=line.now + 1)
     assert reason == "bit 4 is up, and would be a new position in another mode"
@@ -251,17 +252,17 @@ def test_bytes_of_a_write_that_are_not_used_do_not_count(unused: bytes) -> None:
 def test_a_drive_that_was_reset_has_stated_nothing(made: Made) -> None:
     line = prepared(made())
     line.resets()
-    assert line.writes(LIFT, at.CONTROLWORD, START) is not None
+    assert line.writes(LIFT, od.CONTROLWORD, START) is not None
     for how, address, value in STEPS[4:6]:
         getattr(line, how)(LIFT, address, value)
-    assert line.writes(LIFT, at.CONTROLWORD, START) is not None, "its method may be another one now"
+    assert line.writes(LIFT, od.CONTROLWORD, START) is not None, "its method may be another one now"
 
 
 @BOTH
 def test_a_drive_that_was_reset_is_in_its_own_mode(made: Made) -> None:
     line = prepared(made())
     line.resets()
-    line.reports(LIFT, at.STATUSWORD, ENABLED)
+    line.reports(LIFT, od.STATUSWORD, ENABLED)
     line.position(HALT, 0)
     assert line.position(NEW_POSITION, PLACE) is None
 
@@ -273,16 +274,16 @@ def test_a_drive_that_was_reset_is_in_its_own_mode(made: Made) -> None:
         (LIFT, at.HOME_POSITION, -1),
         (LIFT, at.HOME_POSITION, LIFT_TOP + 1),
         (STEER, at.HOME_POSITION, 134_954),
-        (LIFT, at.HOMING_METHOD, 34),
-        (LIFT, at.HOMING_METHOD, -1),
-        (LIFT, at.MODE, 3),
-        (LIFT, at.MODE, 7),
+        (LIFT, od.HOMING_METHOD, 34),
+        (LIFT, od.HOMING_METHOD, -1),
+        (LIFT, od.MODE, 3),
+        (LIFT, od.MODE, 7),
         (LEFT, at.HOME_POSITION, 0),
-        (LEFT, at.HOMING_METHOD, 35),
-        (LEFT, at.MODE, 6),
-        (LEFT, at.CONTROLWORD, START),
-        (LIFT, at.CONTROLWORD, START),
-        (LIFT, at.CONTROLWORD, 0x005F),
+        (LEFT, od.HOMING_METHOD, 35),
+        (LEFT, od.MODE, 6),
+        (LEFT, od.CONTROLWORD, START),
+        (LIFT, od.CONTROLWORD, START),
+        (LIFT, od.CONTROLWORD, 0x005F),
     ],
 )
 def test_beyond_that_nothing_is_listed(made: Made, node: int, address: Address, value: int) -> None:
@@ -291,7 +292,7 @@ def test_beyond_that_nothing_is_listed(made: Made, node: int, address: Address, 
 
 def test_outside_homing_mode_no_word_of_power_goes_by_sdo() -> None:
     for word in (ENABLE, HALT):
-        assert OverCan().writes(LIFT, at.CONTROLWORD, word) == f"controlword 0x{word:04X} by object"
+        assert OverCan().writes(LIFT, od.CONTROLWORD, word) == f"controlword 0x{word:04X} by object"
 
 
 def test_a_start_by_process_data_is_never_listed() -> None:
@@ -305,8 +306,8 @@ def test_after_it_the_lift_rests_where_the_drive_states_now(made: Made) -> None:
     """A far position before is near now: to hold it there is no motion, so the wheels may go."""
     line = prepared(made())
     for word in (START, HALT):
-        assert line.writes(LIFT, at.CONTROLWORD, word) is None
-    assert line.writes(LIFT, at.MODE, 1) is None
-    line.reports(LIFT, at.MODE_DISPLAY, 1)
+        assert line.writes(LIFT, od.CONTROLWORD, word) is None
+    assert line.writes(LIFT, od.MODE, 1) is None
+    line.reports(LIFT, od.MODE_DISPLAY, 1)
     line.wheel(100)
     assert line.position(NEW_POSITION, LIFT_TOP) is not None, "the lift may not move with the wheels"

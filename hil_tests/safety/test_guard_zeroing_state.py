@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import pytest
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.safety.guard.epos2_words import (
     DISABLE_VOLTAGE,
     ENABLE,
@@ -12,10 +16,12 @@ from firmware_bridge.safety.guard.epos2_words import (
     START_HOMING,
 )
 from firmware_bridge.safety.guard.zeroing import Zeroing, by_file
-from firmware_bridge.wire.cia402 import Mode
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.safety.guard_robots import RARS
 from hil_tests.scenarios.homed import LIFT, homed
+
+if TYPE_CHECKING:
+    from firmware_bridge.canopen.address import Address
 
 HOMED = homed(LIFT)
 PROFILE_POSITION, HOMING = int(Mode.PROFILE_POSITION), int(Mode.HOMING)
@@ -26,8 +32,8 @@ def zeroing(name: str = "lift") -> Zeroing:
 
 
 def in_homing(one: Zeroing) -> Zeroing:
-    one.wrote(at.MODE, HOMING)
-    one.read(at.MODE_DISPLAY, HOMING)
+    one.wrote(od.MODE, HOMING)
+    one.read(od.MODE_DISPLAY, HOMING)
     return one
 
 
@@ -36,7 +42,7 @@ def test_an_axis_without_travel_has_no_home() -> None:
     assert one.homes is None
     assert one.within_s == 0.0
     in_homing(one)
-    one.read(at.HOMING_METHOD, 35)
+    one.read(od.HOMING_METHOD, 35)
     one.read(at.HOME_POSITION, 0)
     assert not one.prepared
 
@@ -49,7 +55,7 @@ def test_a_travel_to_both_sides_is_one_of_homes_to_both_sides() -> None:
 def test_where_it_stands_may_be_stated_within_its_travel() -> None:
     one = in_homing(zeroing())
     assert one.homes is not None
-    one.read(at.HOMING_METHOD, 35)
+    one.read(od.HOMING_METHOD, 35)
     for place, good in ((one.homes[0], True), (one.homes[-1], True), (one.homes[-1] + 1, False)):
         one.read(at.HOME_POSITION, place)
         assert one.prepared is good
@@ -72,15 +78,15 @@ def test_a_speed_of_less_than_one_rpm_is_one() -> None:
     assert axis.zero.homing is not None
     homing = axis.zero.homing.model_copy(update={"zero_speed": 1e-4})
     zero = axis.zero.model_copy(update={"homing": homing})
-    assert by_file(axis.model_copy(update={"zero": zero}))[at.HOMING_SPEED_ZERO] == range(1, 2)
+    assert by_file(axis.model_copy(update={"zero": zero}))[od.HOMING_SPEED_ZERO] == range(1, 2)
 
 
-@pytest.mark.parametrize("address", [at.HOMING_METHOD, at.HOME_OFFSET])
-def test_only_the_mode_itself_is_left_while_the_word_that_starts_is_down(address: at.Address) -> None:
+@pytest.mark.parametrize("address", [od.HOMING_METHOD, od.HOME_OFFSET])
+def test_only_the_mode_itself_is_left_while_the_word_that_starts_is_down(address: Address) -> None:
     one = zeroing()
-    assert one.refuses_write(at.MODE, PROFILE_POSITION, ENABLE, "node 1") is None, "whichever moves"
-    assert "bit 4 is up" in str(one.refuses_write(at.MODE, PROFILE_POSITION, START_HOMING, None))
-    assert one.refuses_write(at.MODE, HOMING, START_HOMING, None) is None
+    assert one.refuses_write(od.MODE, PROFILE_POSITION, ENABLE, "node 1") is None, "whichever moves"
+    assert "bit 4 is up" in str(one.refuses_write(od.MODE, PROFILE_POSITION, START_HOMING, None))
+    assert one.refuses_write(od.MODE, HOMING, START_HOMING, None) is None
     assert one.refuses_write(address, PROFILE_POSITION, START_HOMING, None) is None
     assert "may move" in str(one.refuses_write(address, PROFILE_POSITION, ENABLE, "node 1"))
 
@@ -101,21 +107,21 @@ def test_a_word_passes_by_object_or_as_a_set_point(
     """Before the drive was sent to homing mode, and since."""
     one = zeroing()
     assert (one.refuses_word(word, by_object=by_object) is None) is before
-    one.wrote(at.MODE, HOMING)
+    one.wrote(od.MODE, HOMING)
     assert (one.refuses_word(word, by_object=by_object) is None) is since
 
 
 @pytest.mark.parametrize(
     ("address", "value", "left"),
     [
-        (at.MODE, PROFILE_POSITION, True),
-        (at.MODE_DISPLAY, PROFILE_POSITION, True),
-        (at.MODE_DISPLAY, HOMING, False),
-        (at.HOMING_METHOD, PROFILE_POSITION, False),
+        (od.MODE, PROFILE_POSITION, True),
+        (od.MODE_DISPLAY, PROFILE_POSITION, True),
+        (od.MODE_DISPLAY, HOMING, False),
+        (od.HOMING_METHOD, PROFILE_POSITION, False),
     ],
 )
 def test_homing_mode_is_left_when_the_drive_states_that_it_is_in_its_own(
-    address: at.Address, value: int, *, left: bool
+    address: Address, value: int, *, left: bool
 ) -> None:
     one = in_homing(zeroing())
     one.read(address, value)
@@ -124,13 +130,13 @@ def test_homing_mode_is_left_when_the_drive_states_that_it_is_in_its_own(
 
 def test_what_was_written_counts_when_the_drive_has_stated_it_again() -> None:
     one = in_homing(zeroing())
-    one.read(at.HOMING_METHOD, 35)
+    one.read(od.HOMING_METHOD, 35)
     one.read(at.HOME_POSITION, 0)
     found = []
     for address, value, states in (
-        (at.HOMING_METHOD, 35, at.HOMING_METHOD),
+        (od.HOMING_METHOD, 35, od.HOMING_METHOD),
         (at.HOME_POSITION, 0, at.HOME_POSITION),
-        (at.MODE, HOMING, at.MODE_DISPLAY),
+        (od.MODE, HOMING, od.MODE_DISPLAY),
     ):
         before = one.prepared
         one.wrote(address, value)

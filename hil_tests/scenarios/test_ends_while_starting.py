@@ -7,13 +7,13 @@ import pytest
 from emulators.rewind import Checkpoint
 from emulators.wires import DatagramWire
 from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find, robot_type_of
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import MILLISECOND, SECOND, to_seconds
-from firmware_bridge.wire.canopen import NmtState
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
 
 if TYPE_CHECKING:
@@ -83,4 +83,4 @@ def test_drives_that_a_dead_bridge_has_left_are_left_operational_and_without_pow
     one.rig.world.run(one.rig.world.now)
     assert network(one) == {NmtState.OPERATIONAL}
     assert ended_at_each(one, "second", second, {NmtState.OPERATIONAL}) > 20
-    assert {drive.store.get(at.CONSUMER_HEARTBEAT_1) for drive in one.rig.devices.drives.values()} == {0}
+    assert {drive.store.get(od.CONSUMER_HEARTBEAT_1) for drive in one.rig.devices.drives.values()} == {0}

@@ -5,9 +5,9 @@ from collections import Counter
 from pathlib import Path
 
 from benchmarks.drives import crowd, only_sync
+from firmware_bridge.canopen.cia301 import ERROR_CONTROL, RECEIVE_PDO, SYNC, TRANSMIT_PDO
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.canopen import ERROR_CONTROL, RECEIVE_PDO, SYNC, TRANSMIT_PDO
 from hil_tests.unit.servo.side_by_side import PLANT, compiled
 
 HUNDRED_MS = 100 * MILLISECOND

@@ -14,16 +14,16 @@ from emulators.rig import BRIDGE
 from emulators.robots.rars import BENCH_SETUP
 from emulators.run import RunOrder, drive
 from firmware_bridge.bridge import Phase
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia301 import NmtCommand
+from firmware_bridge.canopen.cia402 import PowerState, state_of
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.canopen import NmtCommand
-from firmware_bridge.wire.cia402 import PowerState, state_of
-from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
 
@@ -48,7 +48,7 @@ def line_of(one: Ride) -> EmulatedLine:
 
 def states(one: Ride) -> list[PowerState | None]:
     """Return the drives' own states, whether reported or not."""
-    return [state_of(device.store.get(at.STATUSWORD)) for device in one.rig.devices.drives.values()]
+    return [state_of(device.store.get(od.STATUSWORD)) for device in one.rig.devices.drives.values()]
 
 
 def armed(one: Ride) -> bool:
@@ -235,18 +235,18 @@ def test_a_drive_that_restarts_behind_the_gateway_is_noticed_and_set_up_again(ri
     )
     one.runs_until(CUT_S)
     steering = one.rig.devices.drives["steer"].store
-    target = steering.get(at.TARGET_POSITION)
+    target = steering.get(od.TARGET_POSITION)
     assert target != 0
-    reset = Packet(CAN, canopen.NMT, canopen.encode_nmt(NmtCommand.RESET_NODE, 3))
+    reset = Packet(CAN, cia301.NMT, cia301.encode_nmt(NmtCommand.RESET_NODE, 3))
     one.rig.can_wire.carry(one.rig.world._stations["left"], reset)  # noqa: SLF001 - a third party's word
     one.runs_until(6.0)
-    assert steering.get(at.TARGET_POSITION) != target
+    assert steering.get(od.TARGET_POSITION) != target
     assert "axis not enabled: steer" in one.holding
     assert not armed(one)
     one.runs_until(9.5)
     assert states(one) == [PowerState.OPERATION_ENABLED] * 4
     assert armed(one)
-    assert steering.get(at.TARGET_POSITION) == pytest.approx(target, abs=5)
+    assert steering.get(od.TARGET_POSITION) == pytest.approx(target, abs=5)
 
 
 @pytest.mark.interpreted
@@ -279,7 +279,7 @@ def test_the_orderly_end_takes_the_power_off(rides: Ridden) -> None:
     assert one.rig.bridge.finished
     assert states(one) == [PowerState.SWITCH_ON_DISABLED] * 4
     stores = [device.store for device in one.rig.devices.drives.values()]
-    assert [store.get(at.CONSUMER_HEARTBEAT_1) for store in stores] == [0] * 4
+    assert [store.get(od.CONSUMER_HEARTBEAT_1) for store in stores] == [0] * 4
 
 
 @pytest.mark.long(keeps=["0.9"])

@@ -7,11 +7,11 @@ import pytest
 
 from emulators.robots.rars import RarsStep as Step
 from firmware_bridge.bridge import Phase
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import PowerState, state_of
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
-from firmware_bridge.wire.cia402 import PowerState, state_of
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
 
 RARS: Final[AnyRobot] = find("rars")
@@ -44,7 +44,7 @@ def on_level(*, serial: bool) -> AnyRobot:
 
 def states(one: Ride) -> set[PowerState | None]:
     """Return the drives' own states, whether reported or not."""
-    return {state_of(device.store.get(at.STATUSWORD)) for device in one.rig.devices.drives.values()}
+    return {state_of(device.store.get(od.STATUSWORD)) for device in one.rig.devices.drives.values()}
 
 
 def powered(one: Ride) -> list[bool]:
@@ -241,7 +241,7 @@ def test_ctrl_c_on_a_slope_holds_and_a_second_one_within_5_s_lets_go(
     assert bridge.not_acknowledged == ()
     assert one.rig.bridge.phase is Phase.FINISHED
     assert not any(powered(one))
-    assert {device.store.get(at.CONSUMER_HEARTBEAT_1) for device in one.rig.devices.drives.values()} == {0}
+    assert {device.store.get(od.CONSUMER_HEARTBEAT_1) for device in one.rig.devices.drives.values()} == {0}
 
 
 @pytest.mark.long(keeps=["0-False"])

@@ -8,6 +8,10 @@ from emulators.robots.rars import RarsStep as Step
 from emulators.wires import DatagramWire
 from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.bridge.stops import NOT_ACKNOWLEDGED
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import PowerState, state_of
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
@@ -15,9 +19,6 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find, robot_type_of
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import to_seconds
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.cia402 import PowerState, state_of
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ DRIVING: Final = (ARMED, step(4.0, speed_mps=0.3))
 NOT_RECEIVING_S: Final = 6.0
 LEFT: Final = "node 1 (left rear wheel)"
 UNPOWERED: Final = (PowerState.SWITCH_ON_DISABLED, PowerState.READY_TO_SWITCH_ON, PowerState.SWITCHED_ON)
-BEAT: Final = canopen.ERROR_CONTROL + RARS.epos2_link("drives").bridge_node
+BEAT: Final = cia301.ERROR_CONTROL + RARS.epos2_link("drives").bridge_node
 
 on_each_link = pytest.mark.parametrize("link", LINKS)
 deafened = pytest.mark.parametrize("command", ["stop", "enter_pre_operational", "reset_communication"])
@@ -46,7 +47,7 @@ def driven(rides: Ridden, link: str, *steps: Step, command: str | None = None, f
 
 def states(one: Ride) -> list[PowerState | None]:
     """Return the drives' own states, whether reported or not."""
-    return [state_of(device.store.get(at.STATUSWORD)) for device in one.rig.devices.drives.values()]
+    return [state_of(device.store.get(od.STATUSWORD)) for device in one.rig.devices.drives.values()]
 
 
 def reported(one: Ride) -> set[str]:
@@ -138,8 +139,8 @@ def test_a_drive_that_receives_only_the_heartbeat_stops_when_it_is_withheld(ride
     receives_only(one, BEAT)
     one.runs_until(9.0)
     left = one.rig.devices.drives["left"]
-    assert state_of(left.store.get(at.STATUSWORD)) is PowerState.FAULT
-    assert left.store.get(at.Address(0x1003, 1)) == 0x8130
+    assert state_of(left.store.get(od.STATUSWORD)) is PowerState.FAULT
+    assert left.store.get(Address(0x1003, 1)) == 0x8130
     assert f"{LEFT}: power off by SDO not acknowledged" in reported(one)
     assert f"{LEFT}: silence not acknowledged" not in reported(one), "it was enough"
 
@@ -148,7 +149,7 @@ def test_a_drive_without_a_watch_that_receives_only_the_network_is_reset_at_last
     """Reset communication has taken its watch over the bridge: silence does not stop it."""
     one = driven(rides, "can", command="reset_communication", fresh=True)
     one.runs_until(NOT_RECEIVING_S + 0.01)
-    receives_only(one, canopen.NMT)
+    receives_only(one, cia301.NMT)
     one.runs_until(10.0)
     assert states(one)[0] is PowerState.SWITCH_ON_DISABLED
     assert unpowered(one)
@@ -180,7 +181,7 @@ def test_an_end_that_a_drive_does_not_confirm_goes_on_to_the_last_step_and_names
     left, right, steer, lift = states(one)
     assert {left, steer, lift} <= {PowerState.SWITCH_ON_DISABLED, PowerState.FAULT}
     assert right is PowerState.FAULT, "its own watch"
-    assert one.rig.devices.drives["right"].store.get(at.CONSUMER_HEARTBEAT_1) != 0
+    assert one.rig.devices.drives["right"].store.get(od.CONSUMER_HEARTBEAT_1) != 0
 
 
 def second_bridge(one: Ride) -> tuple[Bridge, list[Packet]]:
@@ -230,8 +231,8 @@ def test_a_second_bridge_refuses_to_start_and_states_why(rides: Ridden) -> None:
     ("frame", "reported"),
     [
         (Packet(CAN, BEAT, b"\x05"), "someone else sends the heartbeat of this bridge, node 100: 764#05"),
-        (Packet(CAN, canopen.SYNC, b""), "someone else sends SYNC: 080#"),
-        (Packet(CAN, canopen.NMT, b"\x01\x09"), "someone else sends a network command: 000#0109"),
+        (Packet(CAN, cia301.SYNC, b""), "someone else sends SYNC: 080#"),
+        (Packet(CAN, cia301.NMT, b"\x01\x09"), "someone else sends a network command: 000#0109"),
         (
             Packet(CAN, 0x502, bytes.fromhex("0F0000000000")),
             "someone else sends node 2 (right rear wheel) set-points: 502#0F0000000000",
@@ -269,7 +270,7 @@ def test_a_drive_that_someone_else_has_written_to_stops_and_is_set_up_again(
     )
     drive = one.rig.devices.drives["left"]
     one.runs_until(NOT_RECEIVING_S)
-    watched = drive.store.get(at.CONSUMER_HEARTBEAT_1)
+    watched = drive.store.get(od.CONSUMER_HEARTBEAT_1)
     sender = one.rig.world._stations["steer"]  # noqa: SLF001 - a third party's word
     one.rig.can_wire.carry(sender, Packet(CAN, 0x601, bytes.fromhex(frame)))
     one.runs_until(8.0)
@@ -281,4 +282,4 @@ def test_a_drive_that_someone_else_has_written_to_stops_and_is_set_up_again(
     one.runs_until(12.5)
     assert "axis reconfigured: left" not in one.holding
     assert one.now["armed"]
-    assert drive.store.get(at.CONSUMER_HEARTBEAT_1) == watched
+    assert drive.store.get(od.CONSUMER_HEARTBEAT_1) == watched

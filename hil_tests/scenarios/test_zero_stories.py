@@ -8,11 +8,11 @@ from typing import Final
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
-from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step
 
@@ -196,7 +196,7 @@ def test_a_drive_that_restarts_before_it_is_armed_has_no_power_without_its_watch
         one.runs_until(tenth / 10)
         powered = {axis.name for axis in one.rig.devices.bank.axes if axis.powered}
         unwatched = {
-            name for name in powered if not int(drives[name].store.get(at.CONSUMER_HEARTBEAT_1)) & 0xFFFF
+            name for name in powered if not int(drives[name].store.get(od.CONSUMER_HEARTBEAT_1)) & 0xFFFF
         }
         assert not unwatched, tenth
     assert powered == set(drives)

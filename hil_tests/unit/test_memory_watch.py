@@ -2,7 +2,8 @@
 
 from benchmarks.memory import bounded_caches
 from emulators.servo import kernel, scaling
-from firmware_bridge.wire import can, sdo
+from firmware_bridge.canopen import sdo
+from firmware_bridge.wire import can
 
 
 def test_caches_with_a_bound_are_emptied_and_one_without_counts() -> None:

@@ -4,7 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.wire.canopen import (
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import (
     EmergencyMessage,
     NmtCommand,
     NmtState,
@@ -15,11 +17,10 @@ from firmware_bridge.wire.canopen import (
     encode_heartbeat,
     encode_nmt,
 )
+from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen.pdo import Layout, MappingEntry
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES, FaultReaction
-from firmware_bridge.wire.epos2.rows import DataType
-from firmware_bridge.wire.pdo import Layout, MappingEntry
 
 
 @pytest.mark.parametrize(
@@ -82,7 +83,7 @@ def test_the_emergencies_of_the_device() -> None:
 
 
 def test_a_mapping_entry_as_in_the_eds() -> None:
-    assert MappingEntry(at.TARGET_VELOCITY, 32).encode() == 0x60FF_0020
+    assert MappingEntry(od.TARGET_VELOCITY, 32).encode() == 0x60FF_0020
     assert MappingEntry.decode(0x6410_0108) == MappingEntry(Address(0x6410, 1), 8)
 
 
@@ -92,8 +93,8 @@ def test_every_word_is_an_entry(word: int) -> None:
 
 
 WHEEL = Layout(
-    (at.STATUSWORD, DataType.UNSIGNED16),
-    (at.POSITION_ACTUAL, DataType.INTEGER32),
+    (od.STATUSWORD, DataType.UNSIGNED16),
+    (od.POSITION_ACTUAL, DataType.INTEGER32),
     (at.CURRENT_AVERAGED, DataType.INTEGER16),
 )
 
@@ -120,6 +121,6 @@ def test_a_short_pdo_is_an_error() -> None:
 
 def test_what_fits_no_pdo_is_an_error() -> None:
     with pytest.raises(ValueError, match="72 bits"):
-        Layout((at.MODE, DataType.INTEGER8), (Address(0x20C1), DataType.UNSIGNED64))
+        Layout((od.MODE, DataType.INTEGER8), (Address(0x20C1), DataType.UNSIGNED64))
     with pytest.raises(ValueError, match="VISIBLE_STRING"):
-        Layout((at.DEVICE_NAME, DataType.VISIBLE_STRING))
+        Layout((od.DEVICE_NAME, DataType.VISIBLE_STRING))

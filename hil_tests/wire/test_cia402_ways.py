@@ -2,7 +2,7 @@
 
 import pytest
 
-from firmware_bridge.wire.cia402 import (
+from firmware_bridge.canopen.cia402 import (
     FAULT_RESET_WORDS,
     PASSING,
     TOWARDS,

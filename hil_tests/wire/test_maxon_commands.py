@@ -2,7 +2,7 @@
 
 import pytest
 
-from firmware_bridge.wire.epos2.rows import Provenance
+from firmware_bridge.canopen.object_row import Provenance
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.frame import ANSWER, Frame, Generation, checksum, encode_v1, encode_v2
 from firmware_bridge.wire.maxon.messages import (

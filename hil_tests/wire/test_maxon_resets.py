@@ -5,8 +5,8 @@ Source: comments in maxon's own library for PCs, for both protocols.
 
 import pytest
 
+from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.units import MILLISECOND, NEVER
-from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.maxon.frame import (
     Failure,
     Frame,

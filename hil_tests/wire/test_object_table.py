@@ -4,10 +4,12 @@ from collections import Counter
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.data_type import Access, DataType
+from firmware_bridge.canopen.object_row import ObjectRow, Provenance
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import INDEXES, OBJECTS
-from firmware_bridge.wire.epos2.rows import Access, DataType, ObjectRow, Provenance
 from hil_tests.rows import every
 
 ROWS = every("row", OBJECTS.values(), ids=lambda row: row.address)
@@ -113,8 +115,8 @@ def test_defaults_are_those_of_the_eds_and_the_real_drive(address: Address, defa
 @pytest.mark.parametrize(
     ("address", "transmit", "receive"),
     [
-        (at.STATUSWORD, True, False),
-        (at.CONTROLWORD, False, True),
+        (od.STATUSWORD, True, False),
+        (od.CONTROLWORD, False, True),
         (Address(0x20C1), False, True),
         (at.ENCODER_PULSES, False, False),
     ],

@@ -4,10 +4,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.wire import sdo
-from firmware_bridge.wire.abort import AbortCode, SdoAbort, meaning_of
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen import sdo
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort, meaning_of
+from firmware_bridge.canopen.address import Address
 
 ADDRESSES = st.builds(Address, st.integers(0, 0xFFFF), st.integers(0, 0xFF))
 SEGMENTS = st.binary(max_size=sdo.SEGMENT)
@@ -17,18 +17,18 @@ SEGMENTS = st.binary(max_size=sdo.SEGMENT)
     ("frame", "wire"),
     [
         # EPOS2 Application Notes, April 2013, p. 164.
-        (sdo.encode_upload(at.DEVICE_TYPE), "4000100000000000"),
-        (sdo.encode_upload_response(at.DEVICE_TYPE, bytes.fromhex("92010200")), "4300100092010200"),
+        (sdo.encode_upload(od.DEVICE_TYPE), "4000100000000000"),
+        (sdo.encode_upload_response(od.DEVICE_TYPE, bytes.fromhex("92010200")), "4300100092010200"),
         # Driver for EPOS2 drives, Pejman712/CRF.
-        (sdo.encode_download(at.CONSUMER_HEARTBEAT_1, bytes.fromhex("D0070100")), "23161001D0070100"),
-        (sdo.encode_download(at.PRODUCER_HEARTBEAT, bytes.fromhex("E803")), "2B171000E8030000"),
-        (sdo.encode_download_response(at.PRODUCER_HEARTBEAT), "6017100000000000"),
+        (sdo.encode_download(od.CONSUMER_HEARTBEAT_1, bytes.fromhex("D0070100")), "23161001D0070100"),
+        (sdo.encode_download(od.PRODUCER_HEARTBEAT, bytes.fromhex("E803")), "2B171000E8030000"),
+        (sdo.encode_download_response(od.PRODUCER_HEARTBEAT), "6017100000000000"),
         # Requests sent to EPOS2 drives by a microcontroller, SamsonChau.
-        (sdo.encode_download(at.CONTROLWORD, b"\x06\x00"), "2B40600006000000"),
+        (sdo.encode_download(od.CONTROLWORD, b"\x06\x00"), "2B40600006000000"),
         (sdo.encode_download(Address(0x1400, 2), b"\xff"), "2F001402FF000000"),
         # CiA 301 v4.02, service data object; computed.
         (sdo.encode_abort(Address(0x5555), AbortCode.NO_OBJECT), "8055550000000206"),
-        (sdo.encode_upload_response(at.DEVICE_NAME, b"EPOS2"), "4108100005000000"),
+        (sdo.encode_upload_response(od.DEVICE_NAME, b"EPOS2"), "4108100005000000"),
         (sdo.encode_upload_segment(toggle=True), "7000000000000000"),
         (sdo.encode_upload_segment_response(b"EPOS2", toggle=False, last=True), "0545504F53320000"),
         (sdo.encode_download_segment_response(toggle=True), "3000000000000000"),
@@ -92,7 +92,7 @@ def test_eight_bytes_are_no_segment() -> None:
 
 
 def test_an_abort_states_where_and_why() -> None:
-    assert str(SdoAbort(AbortCode.READ_ONLY, at.STATUSWORD)) == "0x6041: 0x06010002 object is read-only"
+    assert str(SdoAbort(AbortCode.READ_ONLY, od.STATUSWORD)) == "0x6041: 0x06010002 object is read-only"
     assert meaning_of(0x1234_5678) == "0x12345678"
 
 

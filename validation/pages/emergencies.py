@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from emulators.epos2.control.power_states import TRANSITIONS, Happening
-from firmware_bridge.wire.cia402 import PowerState
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES, Emergency, FaultReaction, Recovery
 
 HEADINGS: Final = (

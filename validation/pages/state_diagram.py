@@ -9,7 +9,7 @@ from emulators.epos2.control.power_states import (
     RampOption,
     Transition,
 )
-from firmware_bridge.wire.cia402 import ControlwordCommand, PowerState
+from firmware_bridge.canopen.cia402 import ControlwordCommand, PowerState
 
 HEADINGS: Final = ("no.", "from", "on", "to", "power stage", "slow-down requested by")
 _FAULT: Final = 13

@@ -20,10 +20,10 @@ from emulators.bench.faults.fault import (
 )
 from emulators.bench.faults.site import Site
 from emulators.wires import Disturbance, Effect
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.canopen import NmtCommand
 
 _COMMANDS: Final = {
     "start": NmtCommand.START,
@@ -219,8 +219,8 @@ class NmtForeignNode(OnBus):
         del chance
         name = None if self.node is None else named(site.robot, self.node)
         # Node-ID 0 is a broadcast (CiA 301).
-        number = next((axis.epos2.node for axis in site.robot.axes if axis.name == name), canopen.ALL_NODES)
-        site.send(self.on(site.robot), canopen.NMT, canopen.encode_nmt(_COMMANDS[self.command], number))
+        number = next((axis.epos2.node for axis in site.robot.axes if axis.name == name), cia301.ALL_NODES)
+        site.send(self.on(site.robot), cia301.NMT, cia301.encode_nmt(_COMMANDS[self.command], number))
 
 
 class StrayFrames(OnBus, Lasting):

@@ -6,10 +6,16 @@ Sources: CiA 301 v4.02, emergency object; frames recorded from an EPOS2 (code, r
 from typing import Final
 
 from emulators.epos2.objects.store import ObjectStore
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.canopen import COB_ID_INVALID, COB_ID_MASK, SYNC, EmergencyMessage, encode_emergency
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import (
+    COB_ID_INVALID,
+    COB_ID_MASK,
+    SYNC,
+    EmergencyMessage,
+    encode_emergency,
+)
 from firmware_bridge.wire.epos2.emergency import (
     EMERGENCIES,
     NO_ERROR,
@@ -37,20 +43,20 @@ class EmergencyProducer:
         self._store = store
         self._reports_reset = reports_reset
         self._standing: tuple[int, ...] = ()
-        store.on_write(at.ERROR_HISTORY_COUNT, self._clear_history)
-        store.on_write(at.COB_ID_EMERGENCY, self._check_cob_id)
+        store.on_write(od.ERROR_HISTORY_COUNT, self._clear_history)
+        store.on_write(od.COB_ID_EMERGENCY, self._check_cob_id)
 
     @property
     def cob_id(self) -> int | None:
         """Return the identifier of the message; None while 0x1014 switches it off."""
-        word = self._store.get(at.COB_ID_EMERGENCY)
+        word = self._store.get(od.COB_ID_EMERGENCY)
         return None if word & COB_ID_INVALID else word & COB_ID_MASK
 
     def reset(self) -> None:
         """Begin as after power-on: no errors, no history."""
         self._standing = ()
         self._publish()
-        self._store.set(at.ERROR_HISTORY_COUNT, 0)
+        self._store.set(od.ERROR_HISTORY_COUNT, 0)
         for address in HISTORY:
             self._store.set(address, 0)
 
@@ -69,14 +75,14 @@ class EmergencyProducer:
             self._standing = (*self._standing, code)
         self._publish()
         self._remember(code)
-        return encode_emergency(EmergencyMessage(code, self._store.get(at.ERROR_REGISTER)))
+        return encode_emergency(EmergencyMessage(code, self._store.get(od.ERROR_REGISTER)))
 
     def _publish(self) -> None:
         register = 0
         for code in self._standing:
             row = EMERGENCIES.get(code)
             register |= RegisterBit.GENERIC if row is None else row.register
-        self._store.set(at.ERROR_REGISTER, register)
+        self._store.set(od.ERROR_REGISTER, register)
 
     def _remember(self, code: int) -> None:
         store = self._store
@@ -84,19 +90,19 @@ class EmergencyProducer:
         older = [store.get(address) for address in HISTORY[:-1]]
         for address, value in zip(HISTORY, (code, *older), strict=True):
             store.set(address, value)
-        store.set(at.ERROR_HISTORY_COUNT, min(store.get(at.ERROR_HISTORY_COUNT) + 1, DEPTH))
+        store.set(od.ERROR_HISTORY_COUNT, min(store.get(od.ERROR_HISTORY_COUNT) + 1, DEPTH))
 
     def _clear_history(self, value: int) -> None:
         # CiA 301: only 0 may be written to 0x1003:00, and clears the history.
         if value != 0:
-            raise SdoAbort(AbortCode.RANGE, at.ERROR_HISTORY_COUNT)
+            raise SdoAbort(AbortCode.RANGE, od.ERROR_HISTORY_COUNT)
         for address in HISTORY:
             self._store.set(address, 0)
 
     def _check_cob_id(self, word: int) -> None:
         number = word & ~COB_ID_INVALID
         if number > COB_ID_MASK or any(number in each for each in _FORBIDDEN):
-            raise SdoAbort(AbortCode.RANGE, at.COB_ID_EMERGENCY)
+            raise SdoAbort(AbortCode.RANGE, od.COB_ID_EMERGENCY)
 
 
 def _cured_by_reset(code: int) -> bool:

@@ -10,15 +10,15 @@ from functools import partial
 from typing import Final
 
 from emulators.epos2.objects.store import ObjectStore
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import LAST_NODE, TOGGLE, NmtState, decode_heartbeat
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.canopen import LAST_NODE, TOGGLE, NmtState, decode_heartbeat
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 
 GUARD_TIME: Final = Address(0x100C)
 LIFE_TIME_FACTOR: Final = Address(0x100D)
-CONSUMERS: Final = (at.CONSUMER_HEARTBEAT_1, at.CONSUMER_HEARTBEAT_2)
+CONSUMERS: Final = (od.CONSUMER_HEARTBEAT_1, od.CONSUMER_HEARTBEAT_2)
 TIME_MASK: Final = 0xFFFF
 
 
@@ -114,7 +114,7 @@ class ErrorControl:
         self.guard = Guard()
         self.consumers = (Consumer(), Consumer())
         self._touched = False
-        store.on_write(at.PRODUCER_HEARTBEAT, self._take_period)
+        store.on_write(od.PRODUCER_HEARTBEAT, self._take_period)
         for address in (GUARD_TIME, LIFE_TIME_FACTOR):
             store.on_write(address, partial(self._take_guarding, address))
         for place in range(len(CONSUMERS)):
@@ -123,7 +123,7 @@ class ErrorControl:
     def begin(self, now: Nanoseconds) -> None:
         """Start again after boot-up with what the objects hold."""
         store = self._store
-        self.producer.configure(store.get(at.PRODUCER_HEARTBEAT))
+        self.producer.configure(store.get(od.PRODUCER_HEARTBEAT))
         self.producer.begin(now)
         self.guard.configure(store.get(GUARD_TIME), store.get(LIFE_TIME_FACTOR))
         self.guard.begin()
@@ -178,7 +178,7 @@ class ErrorControl:
             self.guard.configure(time_ms, factor)
 
     def _take_period(self, period_ms: int) -> None:
-        if period_ms == self._store.get(at.PRODUCER_HEARTBEAT):
+        if period_ms == self._store.get(od.PRODUCER_HEARTBEAT):
             return
         self.producer.configure(period_ms)
         if self.producer.active:

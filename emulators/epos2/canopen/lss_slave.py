@@ -13,15 +13,15 @@ from typing import Final
 from emulators.epos2.objects.device_profile import BIT_RATE, BIT_RATES
 from emulators.epos2.objects.saved_parameters import SavedParameters
 from emulators.epos2.objects.store import ObjectStore
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import SdoAbort
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import FIRST_NODE, LAST_NODE
+from firmware_bridge.canopen.lss import CONFIGURATION, LENGTH, LssCommand, LssError, encode_lss
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.abort import SdoAbort
-from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.lss import CONFIGURATION, LENGTH, LssCommand, LssError, encode_lss
 
 NODE_NUMBER: Final = Address(0x2000)
-IDENTITY: Final = (at.VENDOR_ID, at.PRODUCT_CODE, at.REVISION, at.SERIAL_NUMBER)
+IDENTITY: Final = (od.VENDOR_ID, od.PRODUCT_CODE, od.REVISION, od.SERIAL_NUMBER)
 _SELECT: Final = (
     LssCommand.SELECT_VENDOR,
     LssCommand.SELECT_PRODUCT,
@@ -29,10 +29,10 @@ _SELECT: Final = (
     LssCommand.SELECT_SERIAL,
 )
 _INQUIRE: Final = {
-    LssCommand.INQUIRE_VENDOR: at.VENDOR_ID,
-    LssCommand.INQUIRE_PRODUCT: at.PRODUCT_CODE,
-    LssCommand.INQUIRE_REVISION: at.REVISION,
-    LssCommand.INQUIRE_SERIAL: at.SERIAL_NUMBER,
+    LssCommand.INQUIRE_VENDOR: od.VENDOR_ID,
+    LssCommand.INQUIRE_PRODUCT: od.PRODUCT_CODE,
+    LssCommand.INQUIRE_REVISION: od.REVISION,
+    LssCommand.INQUIRE_SERIAL: od.SERIAL_NUMBER,
 }
 _STANDARD_TABLE: Final = 0
 _Answer = bytes | None
@@ -111,11 +111,11 @@ class LssSlave:
         return encode_lss(LssCommand.SELECTED)
 
     def _identify(self, place: int, value: int) -> bytes | None:
-        revision, serial = self._store.get(at.REVISION), self._store.get(at.SERIAL_NUMBER)
+        revision, serial = self._store.get(od.REVISION), self._store.get(od.SERIAL_NUMBER)
         # CiA 305: vendor, product, then lower and upper bound of revision and of serial number.
         fits = (
-            value == self._store.get(at.VENDOR_ID),
-            value == self._store.get(at.PRODUCT_CODE),
+            value == self._store.get(od.VENDOR_ID),
+            value == self._store.get(od.PRODUCT_CODE),
             value <= revision,
             revision <= value,
             value <= serial,

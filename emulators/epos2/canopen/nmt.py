@@ -8,7 +8,7 @@ from enum import Enum
 from types import MappingProxyType
 from typing import Final
 
-from firmware_bridge.wire.canopen import ALL_NODES, NmtCommand, NmtState, decode_nmt
+from firmware_bridge.canopen.cia301 import ALL_NODES, NmtCommand, NmtState, decode_nmt
 
 
 class NodeService(Enum):

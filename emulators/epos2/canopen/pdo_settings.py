@@ -12,18 +12,18 @@ from functools import partial
 from typing import Final
 
 from emulators.epos2.objects.store import Cell, ObjectStore
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import COB_ID_INVALID, COB_ID_MASK, COB_ID_NO_REMOTE, NmtState
+from firmware_bridge.canopen.object_row import ObjectRow
+from firmware_bridge.canopen.pdo import MAX_BITS, MAX_ENTRIES, Layout, MappingEntry
 from firmware_bridge.units import MICROSECOND, Nanoseconds
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.canopen import COB_ID_INVALID, COB_ID_MASK, COB_ID_NO_REMOTE, NmtState
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects_pdo import (
     RECEIVE_MAPPING,
     RECEIVE_PARAMETER,
     TRANSMIT_MAPPING,
     TRANSMIT_PARAMETER,
 )
-from firmware_bridge.wire.epos2.rows import ObjectRow
-from firmware_bridge.wire.pdo import MAX_BITS, MAX_ENTRIES, Layout, MappingEntry
 
 SYNCHRONOUS: Final = 1
 ON_REQUEST: Final = 253

@@ -14,14 +14,14 @@ from typing import Final, TypeAlias
 from emulators.epos2.canopen.pdo_settings import ON_CHANGE, RECEIVE, SYNCHRONOUS, TRANSMIT, PdoSettings
 from emulators.epos2.objects.device_profile import DeviceProfile
 from emulators.epos2.objects.store import ObjectStore
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import SdoAbort
+from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire.abort import SdoAbort
 from firmware_bridge.wire.can import REMOTE
-from firmware_bridge.wire.canopen import NmtState
-from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.objects_pdo import PDOS
 
-EVENT_DRIVEN: Final = frozenset({at.STATUSWORD, at.MODE_DISPLAY})
+EVENT_DRIVEN: Final = frozenset({od.STATUSWORD, od.MODE_DISPLAY})
 """Objects that change only when the drive is awake; every other one moves by itself."""
 
 

@@ -15,9 +15,9 @@ from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
 from emulators.epos2.objects.store import LARGEST_DOMAIN, ObjectStore
-from firmware_bridge.wire import sdo
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen import sdo
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
 
 _Answers: TypeAlias = Mapping[type[sdo.Request], Callable[..., bytes | None]]
 _WITHOUT_ADDRESS: Final = (sdo.UploadSegmentRequest, sdo.SdoSegment)

@@ -19,10 +19,10 @@ from emulators.epos2.canopen.sdo_server import SdoServer
 from emulators.epos2.canopen.transmit_queue import TransmitQueue
 from emulators.epos2.objects.device_profile import DeviceProfile
 from emulators.epos2.objects.store import ObjectStore
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire import canopen
 from firmware_bridge.wire.can import REMOTE
-from firmware_bridge.wire.canopen import NmtState
 from firmware_bridge.wire.epos2 import emergency
 
 
@@ -73,7 +73,7 @@ class Services:
 
     def begin(self, now: Nanoseconds) -> None:
         """Send the boot-up message, and start error control with the objects' values."""
-        self._send(canopen.ERROR_CONTROL + self._identity.node, canopen.encode_heartbeat(NmtState.BOOT_UP))
+        self._send(cia301.ERROR_CONTROL + self._identity.node, cia301.encode_heartbeat(NmtState.BOOT_UP))
         self.errors.begin(now)
 
     def speak(self, now: Nanoseconds) -> bool:
@@ -81,10 +81,10 @@ class Services:
         errors, pdo, transmit = self.errors, self.pdo, self._transmit
         if transmit.answer_due <= now:
             for answer in transmit.released(now):
-                self._send(canopen.SDO_RESPONSE + self._identity.node, answer)
+                self._send(cia301.SDO_RESPONSE + self._identity.node, answer)
         if errors.producer.due <= now:
             heartbeat = errors.producer.produce(self.state, now)
-            self._send(canopen.ERROR_CONTROL + self._identity.node, heartbeat)
+            self._send(cia301.ERROR_CONTROL + self._identity.node, heartbeat)
         # Not `or`: both must be called, or a change in error control would wait for the next time.
         others = pdo.renew() | errors.renew()
         if self.state is NmtState.OPERATIONAL:
@@ -99,13 +99,13 @@ class Services:
         if NodeService.PDO in services:
             routes = self.pdo.routes(self._receive_collision, self._receive_request, self._receive_pdo)
         if NodeService.ERROR_CONTROL in services:
-            routes[canopen.ERROR_CONTROL + node | REMOTE] = self._receive_guarding
+            routes[cia301.ERROR_CONTROL + node | REMOTE] = self._receive_guarding
             for watched in sorted(self.errors.watched):
-                routes[canopen.ERROR_CONTROL + watched] = partial(self._receive_heartbeat, watched)
+                routes[cia301.ERROR_CONTROL + watched] = partial(self._receive_heartbeat, watched)
         if NodeService.SYNC in services:
-            routes[canopen.SYNC] = self._receive_sync
+            routes[cia301.SYNC] = self._receive_sync
         if NodeService.SDO in services:
-            routes[canopen.SDO_REQUEST + node] = self._receive_sdo
+            routes[cia301.SDO_REQUEST + node] = self._receive_sdo
         return routes | {report: partial(self._receive_controller, report) for report in REPORTS}
 
     # Service and process data
@@ -157,7 +157,7 @@ class Services:
         if not self.errors.producer.active:
             self.watch(now - 1)
             answer = self.errors.guard.answer(self.state, now)
-            self._send(canopen.ERROR_CONTROL + self._identity.node, answer)
+            self._send(cia301.ERROR_CONTROL + self._identity.node, answer)
 
     def _receive_controller(self, address: int, payload: bytes, _now: Nanoseconds) -> None:
         for code in emergencies_of(address, payload):

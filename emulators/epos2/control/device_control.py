@@ -16,7 +16,7 @@ from emulators.epos2.io.drive_pins import Pins
 from emulators.epos2.modes.mode_selector import ModeSelector
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.wire.cia402 import ControlwordBit, ControlwordCommand, PowerState, command_of
+from firmware_bridge.canopen.cia402 import ControlwordBit, ControlwordCommand, PowerState, command_of
 from firmware_bridge.wire.epos2 import emergency
 
 # The controlword's bits as plain numbers: flags are slow, and every frame is looked at.

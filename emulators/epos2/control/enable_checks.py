@@ -11,9 +11,9 @@ from typing import Final
 
 from emulators.epos2.control.sensing import CONTROLLER_STRUCTURE
 from emulators.epos2.objects.store import ObjectStore
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
-from firmware_bridge.wire.epos2.address import Address
 
 GEAR_NUMERATOR: Final = Address(0x2230, 1)
 GEAR_DENOMINATOR: Final = Address(0x2230, 2)

@@ -24,12 +24,12 @@ from emulators.epos2.objects.axis_parameters import (
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import CURRENT_LIMITED, ServoAxis
 from emulators.servo.scaling import Settings, configure
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import PowerState, Status
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.cia402 import PowerState, Status
-from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
-from firmware_bridge.wire.epos2.address import Address
 
 # The statusword's bits as plain numbers: it is put together with every frame, and flags are slow to join.
 _STAGE_ON: Final = 1 << 4
@@ -89,7 +89,7 @@ class MotionControl:
 
     def connection_lost(self) -> None:
         """Report a failure of heartbeat or guarding, and react by 0x6007."""
-        option = self._store.get(at.ABORT_CONNECTION_OPTION)
+        option = self._store.get(od.ABORT_CONNECTION_OPTION)
         self._control.fail(emergency.CONNECTION_LOST, ABORT_OPTIONS.get(option))
         self._publish()
 
@@ -122,8 +122,8 @@ class MotionControl:
         configure(self._axis, self._settings)
         self._sensing.apply()
         self.pins.reset()
-        self._modes.restart(self._store.get(at.MODE))
-        self._store.set(at.MODE_DISPLAY, self._modes.number)
+        self._modes.restart(self._store.get(od.MODE))
+        self._store.set(od.MODE_DISPLAY, self._modes.number)
         # The power states last: Start ends at once (0 ms), and what follows looks at pins and modes.
         self._control.restart()
         self._publish()
@@ -146,8 +146,8 @@ class MotionControl:
             # A parameter refuses in its own hook: a second one would run after the axis had taken the value.
             if address not in shaping:
                 store.on_write(address, partial(self._refuse_with_power, address))
-        store.on_write(at.CONTROLWORD, self._take_controlword)
-        store.on_write(at.MODE, self._take_mode)
+        store.on_write(od.CONTROLWORD, self._take_controlword)
+        store.on_write(od.MODE, self._take_mode)
         for address, code in NOT_CARRIED_OUT.items():
             store.on_write(address, partial(self._take_start, code))
         for address in HEEDED:
@@ -172,9 +172,9 @@ class MotionControl:
     def _take_mode(self, mode: int) -> None:
         # Other drives accept the write and leave 0x6061 unchanged; the refusal shows a master at once.
         if mode not in MODES:
-            raise SdoAbort(AbortCode.RANGE, at.MODE)
+            raise SdoAbort(AbortCode.RANGE, od.MODE)
         self._modes.change(mode, enabled=self._power.free)
-        self._store.set(at.MODE_DISPLAY, mode)
+        self._store.set(od.MODE_DISPLAY, mode)
         self._publish()
 
     def _take_value(self, address: Address, value: int) -> None:
@@ -212,4 +212,4 @@ class MotionControl:
         self.pins.refresh()
         # Bit 13 follows the emergency 8611, not the present error: it stays until the fault reset.
         failed = emergency.FOLLOWING_ERROR_TOO_LARGE in self._control.errors.codes
-        self._store.set(at.STATUSWORD, word | mode.status(failed=failed))
+        self._store.set(od.STATUSWORD, word | mode.status(failed=failed))

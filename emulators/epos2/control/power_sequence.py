@@ -22,9 +22,10 @@ from emulators.epos2.modes.mode_selector import ModeSelector
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.sensors import align
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import ControlwordCommand, PowerState
 from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire.cia402 import ControlwordCommand, PowerState
-from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import OutputFunction
 
 _FAULTS: Final = frozenset(
@@ -105,7 +106,7 @@ class PowerSequence:
         if row.goes_on:
             self.go(trigger)
 
-    def fault(self, deceleration: at.Address | None) -> None:
+    def fault(self, deceleration: Address | None) -> None:
         """Execute transitions 13 and 17: brake with the object's deceleration, or without one power off."""
         # Transition 17 replaces a slow-down (605B, 605C) that is under way.
         self._completing = None
@@ -165,7 +166,7 @@ class PowerSequence:
         self._outputs.show(OutputFunction.READY, active=state not in _FAULTS)
         self._due = NEVER
         if state in TIMED:
-            self._due = self._axis.now + self._delays.of(state, self._store.get(at.MOTOR_TYPE))
+            self._due = self._axis.now + self._delays.of(state, self._store.get(od.MOTOR_TYPE))
         elif state is PowerState.OPERATION_ENABLED:
             # The motor holds the load by itself until the brake is open: set-points wait for 0x2100:1.
             self.releasing = self._brake.release()
@@ -175,8 +176,8 @@ class PowerSequence:
                 self._modes.begin(self.controlword)
         elif state is PowerState.QUICK_STOP_ACTIVE:
             # The EPOS2 has no 0x605A: a quick stop ramps with 0x6085 and stays in this state, powered.
-            self._stop(at.QUICK_STOP_DECELERATION)
+            self._stop(od.QUICK_STOP_DECELERATION)
 
-    def _stop(self, deceleration: at.Address) -> None:
+    def _stop(self, deceleration: Address) -> None:
         self._modes.forget()
         self._modes.shaft.brake(deceleration)

@@ -10,8 +10,8 @@ from enum import Enum
 from types import MappingProxyType
 from typing import Final, TypeAlias
 
+from firmware_bridge.canopen.cia402 import ControlwordCommand, PowerState
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.cia402 import ControlwordCommand, PowerState
 
 
 class Happening(Enum):

@@ -16,9 +16,10 @@ from emulators.epos2.objects.axis_parameters import MISCELLANEOUS, SENSOR_POLARI
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.sensors import hall_pattern
-from firmware_bridge.wire.cia402 import Mode
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 
 CONTROLLER_STRUCTURE: Final = Address(0x2220)
 HALL_PATTERN: Final = Address(0x2022)
@@ -39,12 +40,12 @@ _SHAPING: Final = (
     MISCELLANEOUS,
     at.SENSOR_TYPE,
     SENSOR_POLARITY,
-    at.MOTOR_TYPE,
+    od.MOTOR_TYPE,
     at.POLE_PAIRS,
     CONTROLLER_STRUCTURE,
-    at.MIN_POSITION_LIMIT,
-    at.MAX_POSITION_LIMIT,
-    at.MODE,
+    od.MIN_POSITION_LIMIT,
+    od.MAX_POSITION_LIMIT,
+    od.MODE,
 )
 
 
@@ -64,7 +65,7 @@ class Sensing:
         def value(address: Address) -> int:
             return changed[address] if address in changed else self._store.get(address)
 
-        axis, kind, motor = self._axis, value(at.SENSOR_TYPE), value(at.MOTOR_TYPE)
+        axis, kind, motor = self._axis, value(at.SENSOR_TYPE), value(od.MOTOR_TYPE)
         inverted = value(SENSOR_POLARITY)
         supervised = not value(MISCELLANEOUS) & UNSUPERVISED
         axis.encoder_reversed = int(bool(inverted & ENCODER_INVERTED))
@@ -74,9 +75,9 @@ class Sensing:
         axis.hall_pole_pairs = max(1, value(at.POLE_PAIRS)) if motor in BRUSHLESS else 0
         axis.hall_angle_supervised = int(motor == SINUS and not inverted & HALL_INVERTED)
         axis.auxiliary_supervised = int(value(CONTROLLER_STRUCTURE) != 0)
-        axis.lowest_qc, axis.highest_qc = value(at.MIN_POSITION_LIMIT), value(at.MAX_POSITION_LIMIT)
+        axis.lowest_qc, axis.highest_qc = value(od.MIN_POSITION_LIMIT), value(od.MAX_POSITION_LIMIT)
         # 0x607D does not count in homing (Firmware Specification 9.3): the position has no reference yet.
-        axis.position_limited = int(value(at.MODE) != Mode.HOMING)
+        axis.position_limited = int(value(od.MODE) != Mode.HOMING)
 
     def _take(self, address: Address, value: int) -> None:
         self.apply({address: value})

@@ -9,7 +9,8 @@ from emulators.epos2.control import enable_checks, supervision
 from emulators.epos2.control.supervision import WATCHED, ErrorReaction
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.wire.cia402 import PowerState
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 
 
@@ -39,7 +40,7 @@ class StandingErrors:
 
     def reaction_to(self, code: int) -> ErrorReaction:
         """Return how the drive reacts to an error, as table and 0x605E say."""
-        return supervision.reaction_to(code, self._store.get(at.FAULT_REACTION_OPTION))
+        return supervision.reaction_to(code, self._store.get(od.FAULT_REACTION_OPTION))
 
     def cured_by_communication_reset(self) -> None:
         """Let go of the errors that only the network's reset cures."""

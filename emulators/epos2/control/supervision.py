@@ -15,10 +15,10 @@ from typing import Final
 from emulators.epos2.control.power_states import RampOption
 from emulators.epos2.control.sensing import ABSOLUTE
 from emulators.servo import axis as servo
-from firmware_bridge.wire.cia402 import PowerState
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.wire.epos2 import emergency
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES, FaultReaction, Recovery
 
 
@@ -110,11 +110,11 @@ class ErrorReaction(Enum):
 
 
 RAMP_OPTIONS: Final[Mapping[RampOption, Address]] = MappingProxyType(
-    {RampOption.SHUTDOWN: at.SHUTDOWN_OPTION, RampOption.DISABLE: at.DISABLE_OPTION}
+    {RampOption.SHUTDOWN: od.SHUTDOWN_OPTION, RampOption.DISABLE: od.DISABLE_OPTION}
 )
 """Objects that select a slow-down before the power stage is switched off: 1."""
 DECELERATIONS: Final[Mapping[ErrorReaction, Address]] = MappingProxyType(
-    {ErrorReaction.SLOW_DOWN: at.PROFILE_DECELERATION, ErrorReaction.QUICK_STOP: at.QUICK_STOP_DECELERATION}
+    {ErrorReaction.SLOW_DOWN: od.PROFILE_DECELERATION, ErrorReaction.QUICK_STOP: od.QUICK_STOP_DECELERATION}
 )
 """Objects with the deceleration of a ramp."""
 

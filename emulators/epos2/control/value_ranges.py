@@ -11,10 +11,12 @@ from typing import Final
 from emulators.epos2.modes.homing_methods import METHODS
 from emulators.epos2.objects.device_profile import BIT_RATE, BIT_RATES
 from emulators.epos2.objects.store import ObjectStore
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE, TIME_STAMP
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import FIRST_NODE, LAST_NODE, TIME_STAMP
+from firmware_bridge.canopen.object_row import Provenance
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.functions import INPUT_PINS, OUTPUT_PINS, InputFunction, OutputFunction
 from firmware_bridge.wire.epos2.rows import (
     APPLICATION_NOTES,
@@ -22,7 +24,6 @@ from firmware_bridge.wire.epos2.rows import (
     EDS,
     FIRMWARE_SPECIFICATION,
     LIBRARY,
-    Provenance,
 )
 
 _INTERPOLATION: Final = "application note Interpolation Position Mode, December 2008, p. 11"
@@ -58,25 +59,25 @@ VALUE_RANGES: Final = (
     ValueRange(Address(0x2074, 2), range(3), _DOCUMENTED, APPLICATION_NOTES),
     ValueRange(Address(0x2074, 3), range(3), _DOCUMENTED, APPLICATION_NOTES),
     ValueRange(at.SENSOR_TYPE, (1, 2, 3, 4, 6, 7, 8), _DOCUMENTED, LIBRARY),
-    ValueRange(at.ABORT_CONNECTION_OPTION, range(4)),
-    ValueRange(at.SHUTDOWN_OPTION, range(2)),
-    ValueRange(at.DISABLE_OPTION, range(2)),
-    ValueRange(at.FAULT_REACTION_OPTION, range(-1, 3)),
+    ValueRange(od.ABORT_CONNECTION_OPTION, range(4)),
+    ValueRange(od.SHUTDOWN_OPTION, range(2)),
+    ValueRange(od.DISABLE_OPTION, range(2)),
+    ValueRange(od.FAULT_REACTION_OPTION, range(-1, 3)),
     ValueRange(Address(0x2300, 3), range(1, 1 << 16), Provenance.ASSUMED, ASSUMPTION),
     ValueRange(Address(0x2300, 4), range(2), Provenance.ASSUMED, ASSUMPTION),
-    ValueRange(at.MOTION_PROFILE_TYPE, range(2), _DOCUMENTED, EDS),
+    ValueRange(od.MOTION_PROFILE_TYPE, range(2), _DOCUMENTED, EDS),
     ValueRange(Address(0x6089), (0,)),
     ValueRange(Address(0x608A), (0xAC,)),
     ValueRange(Address(0x608B), (0,)),
     ValueRange(Address(0x608C), (0xA4,)),
     ValueRange(Address(0x608D), (0,)),
     ValueRange(Address(0x608E), (0xA4,)),
-    ValueRange(at.HOMING_METHOD, tuple(METHODS)),
-    ValueRange(at.MOTOR_TYPE, (1, 10, 11), _DOCUMENTED, LIBRARY),
+    ValueRange(od.HOMING_METHOD, tuple(METHODS)),
+    ValueRange(od.MOTOR_TYPE, (1, 10, 11), _DOCUMENTED, LIBRARY),
     # A gain below 0 makes a regulator run away, a motor without poles does not turn, a move at 0 never ends.
     *(ValueRange(gain, range(1 << 15), Provenance.ASSUMED, ASSUMPTION) for gain in GAINS),
     ValueRange(at.POLE_PAIRS, range(1, 1 << 8), Provenance.ASSUMED, ASSUMPTION),
-    ValueRange(at.PROFILE_VELOCITY, range(1, 1 << 32), Provenance.ASSUMED, ASSUMPTION),
+    ValueRange(od.PROFILE_VELOCITY, range(1, 1 << 32), Provenance.ASSUMED, ASSUMPTION),
 )
 
 

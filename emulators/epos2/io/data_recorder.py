@@ -17,9 +17,10 @@ from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.record import ServoRecord
 from emulators.servo.recorder import ERROR
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
 
 CONTROL: Final = Address(0x2010)
@@ -50,11 +51,11 @@ RECORDABLE: Final[Mapping[Address, tuple[str, ...]]] = MappingProxyType(
         at.ANALOGUE_INPUT_1: ("analogue_1_mv",),
         at.ANALOGUE_INPUT_2: ("analogue_2_mv",),
         at.FOLLOWING_ERROR: _DEMANDED,
-        at.POSITION_DEMAND: _DEMANDED,
-        at.POSITION_ACTUAL: ("position",),
-        at.VELOCITY_DEMAND: ("powered", "velocity_demand"),
-        at.VELOCITY_ACTUAL: ("step",),
-        at.CURRENT_ACTUAL: ("current_ma",),
+        od.POSITION_DEMAND: _DEMANDED,
+        od.POSITION_ACTUAL: ("position",),
+        od.VELOCITY_DEMAND: ("powered", "velocity_demand"),
+        od.VELOCITY_ACTUAL: ("step",),
+        od.CURRENT_ACTUAL: ("current_ma",),
         SENSOR_RESOLUTION: ("resolution",),
     }
 )

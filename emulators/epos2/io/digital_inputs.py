@@ -11,7 +11,7 @@ from typing import Final
 
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.wire.cia402 import ControlwordCommand
+from firmware_bridge.canopen.cia402 import ControlwordCommand
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.functions import (
     INPUT_EXECUTION,

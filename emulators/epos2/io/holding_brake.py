@@ -11,8 +11,8 @@ from typing import Final
 from emulators.epos2.io.digital_outputs import DigitalOutputs
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import AT_REST, ServoAxis
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.functions import OutputFunction
 
 RISE_TIME: Final = Address(0x2100, 1)

@@ -15,7 +15,7 @@ from emulators.epos2.io.digital_outputs import DigitalOutputs
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.compare import DOWNWARDS, UPWARDS
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2.functions import OutputFunction
 
 CONFIGURATION: Final = Address(0x207A, 1)

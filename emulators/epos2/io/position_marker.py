@@ -13,8 +13,8 @@ from typing import Final
 from emulators.epos2.io.digital_inputs import DigitalInputs
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION, InputFunction
 
 CAPTURED: Final = Address(0x2074, 1)

@@ -14,7 +14,7 @@ from typing import Final
 
 from emulators.servo.axis import ServoAxis
 from emulators.servo.setpoint import scaled
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
 
 EXECUTION_MASK: Final = Address(0x207D)

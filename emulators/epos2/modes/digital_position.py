@@ -15,8 +15,8 @@ from emulators.epos2.modes.shaft import Shaft
 from emulators.servo.axis import ELECTRONIC_GEAR
 from emulators.servo.commands import judge_again
 from emulators.servo.profile import stopping_distance
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 
 NUMERATOR: Final = Address(0x2300, 2)
 DENOMINATOR: Final = Address(0x2300, 3)
@@ -68,7 +68,7 @@ class DigitalPosition(ModeOfOperation):
         low, high = self.shaft.limits()
         axis.lowest, axis.highest = low << axis.fraction, high << axis.fraction
         axis.cruise = self.shaft.fastest()
-        axis.acceleration = axis.deceleration = self.shaft.acceleration(at.MAX_ACCELERATION)
+        axis.acceleration = axis.deceleration = self.shaft.acceleration(od.MAX_ACCELERATION)
         axis.stopping_distance = stopping_distance(axis.cruise, axis.deceleration)
         axis.target_position = axis.position_demand + (store.get(OFFSET) << axis.fraction)
         axis.profile = ELECTRONIC_GEAR

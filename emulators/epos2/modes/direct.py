@@ -18,8 +18,8 @@ from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.shaft import Shaft
 from emulators.servo.axis import CURRENT, DIRECT
 from emulators.servo.commands import regulate_position, regulate_velocity
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 
 
 class DirectMode(ModeOfOperation, ABC):

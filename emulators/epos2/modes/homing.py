@@ -14,7 +14,8 @@ from emulators.epos2.modes.profile_position import HIGHEST, LOWEST
 from emulators.epos2.modes.shaft import Shaft
 from emulators.servo.axis import CURRENT_REACHED, TARGET_REACHED
 from emulators.servo.commands import displace
-from firmware_bridge.wire.cia402 import ControlwordBit, Status
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import ControlwordBit, Status
 from firmware_bridge.wire.epos2 import address as at
 
 _START: Final = int(ControlwordBit.NEW_SETPOINT)
@@ -61,7 +62,7 @@ class HomingMode(ModeOfOperation):
     def halt(self) -> None:
         """Give a homing up, with the homing acceleration."""
         self.forget()
-        self.shaft.brake(at.HOMING_ACCELERATION)
+        self.shaft.brake(od.HOMING_ACCELERATION)
 
     def controls(self, word: int, before: int) -> bool:
         """Start with a rising edge of bit 4, give up without it."""
@@ -76,7 +77,7 @@ class HomingMode(ModeOfOperation):
         del word
         self.forget()
         self._attained = self._failed = False
-        method = self.shaft.store.get(at.HOMING_METHOD)
+        method = self.shaft.store.get(od.HOMING_METHOD)
         if method == NOTHING_TO_DO:
             self._attained = self.shaft.referenced = True
         elif method == ACTUAL_POSITION:
@@ -128,18 +129,18 @@ class HomingMode(ModeOfOperation):
         else:
             self._left = self._closed(way)
         velocity = way.direction * shaft.bounded(store.get(way.speed))
-        shaft.ramp(velocity, at.HOMING_ACCELERATION, at.HOMING_ACCELERATION)
+        shaft.ramp(velocity, od.HOMING_ACCELERATION, od.HOMING_ACCELERATION)
 
     def _go_offset(self) -> None:
         shaft, axis = self.shaft, self.shaft.axis
         # From the latched reference: the ramp down from the search speed has led past it.
-        target = self._reference + shaft.store.get(at.HOME_OFFSET)
+        target = self._reference + shaft.store.get(od.HOME_OFFSET)
         if not LOWEST <= target <= HIGHEST:
             self._fail()
             return
         axis.target_position = target << axis.fraction
-        cruise = shaft.bounded(shaft.store.get(at.HOMING_SPEED_SWITCH))
-        shaft.move(cruise, at.HOMING_ACCELERATION, at.HOMING_ACCELERATION)
+        cruise = shaft.bounded(shaft.store.get(od.HOMING_SPEED_SWITCH))
+        shaft.move(cruise, od.HOMING_ACCELERATION, od.HOMING_ACCELERATION)
 
     def _reached(self, way: HomingWay) -> bool:
         """Return True if a move has come to its end, and note the position there."""

@@ -11,8 +11,8 @@ from enum import Enum
 from types import MappingProxyType
 from typing import Final
 
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2.functions import InputFunction
 
 
@@ -36,20 +36,20 @@ class HomingWay:
 
 
 def _to(switch: InputFunction, direction: int) -> HomingWay:
-    return HomingWay(direction, at.HOMING_SPEED_SWITCH, Goal.CLOSED, switch)
+    return HomingWay(direction, od.HOMING_SPEED_SWITCH, Goal.CLOSED, switch)
 
 
 def _off(switch: InputFunction, direction: int) -> HomingWay:
-    return HomingWay(direction, at.HOMING_SPEED_ZERO, Goal.OPEN, switch)
+    return HomingWay(direction, od.HOMING_SPEED_ZERO, Goal.OPEN, switch)
 
 
 _NEGATIVE: Final = InputFunction.NEGATIVE_LIMIT
 _POSITIVE: Final = InputFunction.POSITIVE_LIMIT
 _HOME: Final = InputFunction.HOME
-_INDEX_BELOW: Final = HomingWay(-1, at.HOMING_SPEED_ZERO, Goal.INDEX)
-_INDEX_ABOVE: Final = HomingWay(1, at.HOMING_SPEED_ZERO, Goal.INDEX)
-_STOP_BELOW: Final = HomingWay(-1, at.HOMING_SPEED_SWITCH, Goal.STOP)
-_STOP_ABOVE: Final = HomingWay(1, at.HOMING_SPEED_SWITCH, Goal.STOP)
+_INDEX_BELOW: Final = HomingWay(-1, od.HOMING_SPEED_ZERO, Goal.INDEX)
+_INDEX_ABOVE: Final = HomingWay(1, od.HOMING_SPEED_ZERO, Goal.INDEX)
+_STOP_BELOW: Final = HomingWay(-1, od.HOMING_SPEED_SWITCH, Goal.STOP)
+_STOP_ABOVE: Final = HomingWay(1, od.HOMING_SPEED_SWITCH, Goal.STOP)
 
 NOTHING_TO_DO: Final = 0
 """The method that needs no homing. Assumed: the position counts as referenced where it is."""

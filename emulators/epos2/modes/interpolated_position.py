@@ -20,8 +20,8 @@ from emulators.servo import spline
 from emulators.servo.axis import SPLINE
 from emulators.servo.scaling import speed_units
 from emulators.servo.spline import Knot, SplineSegment
-from firmware_bridge.wire.cia402 import ControlwordBit, Mode, Status
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import ControlwordBit, Mode, Status
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.pvt import PvtRecord
 
@@ -100,7 +100,7 @@ class InterpolatedPosition(ModeOfOperation):
         jump = first.position - axis.position_demand
         if abs(jump) > self.shaft.fastest():
             self._fail(BufferStatus.VELOCITY_ERROR)
-        elif abs(jump + first.velocity - axis.velocity_demand) > self.shaft.acceleration(at.MAX_ACCELERATION):
+        elif abs(jump + first.velocity - axis.velocity_demand) > self.shaft.acceleration(od.MAX_ACCELERATION):
             self._fail(BufferStatus.ACCELERATION_ERROR)
         else:
             buffer.active = True
@@ -148,9 +148,9 @@ class InterpolatedPosition(ModeOfOperation):
             self._fail(error)
             return False
         shaft, warnings = self.shaft, BufferStatus(0)
-        if present.fastest() > speed_units(shaft.axis, shaft.store.get(at.PROFILE_VELOCITY)):
+        if present.fastest() > speed_units(shaft.axis, shaft.store.get(od.PROFILE_VELOCITY)):
             warnings |= BufferStatus.VELOCITY_WARNING
-        if present.sharpest() > shaft.acceleration(at.PROFILE_ACCELERATION):
+        if present.sharpest() > shaft.acceleration(od.PROFILE_ACCELERATION):
             warnings |= BufferStatus.ACCELERATION_WARNING
         self._buffer.warnings = warnings
         return True
@@ -158,7 +158,7 @@ class InterpolatedPosition(ModeOfOperation):
     def _error(self, segment: SplineSegment) -> BufferStatus:
         if segment.fastest() > self.shaft.fastest():
             return BufferStatus.VELOCITY_ERROR
-        if segment.sharpest() > self.shaft.acceleration(at.MAX_ACCELERATION):
+        if segment.sharpest() > self.shaft.acceleration(od.MAX_ACCELERATION):
             return BufferStatus.ACCELERATION_ERROR
         return BufferStatus(0)
 
@@ -178,7 +178,7 @@ class InterpolatedPosition(ModeOfOperation):
         return spline.segment(self._knot(start), self._knot(end), start.ms)
 
     def _overflowed(self) -> None:
-        if self.shaft.store.get(at.MODE_DISPLAY) == Mode.INTERPOLATED_POSITION:
+        if self.shaft.store.get(od.MODE_DISPLAY) == Mode.INTERPOLATED_POSITION:
             self._fail(BufferStatus.OVERFLOW_ERROR)
 
     def _fail(self, error: BufferStatus) -> None:

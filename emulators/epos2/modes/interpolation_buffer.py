@@ -17,8 +17,8 @@ from typing import Final
 
 from emulators.epos2.objects.device_profile import BUFFER_FREE, BUFFER_SIZE
 from emulators.epos2.objects.store import ObjectStore
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2.pvt import PvtRecord
 
 DATA_RECORD: Final = Address(0x20C1)

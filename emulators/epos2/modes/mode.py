@@ -7,8 +7,8 @@ before its start signal.
 from typing import ClassVar, Final
 
 from emulators.epos2.modes.shaft import Shaft
-from firmware_bridge.wire.cia402 import Status
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import Status
 
 _FOLLOWING_ERROR: Final = int(Status.FOLLOWING_ERROR)
 

@@ -18,9 +18,9 @@ from emulators.epos2.modes.profile_velocity import ProfileVelocity
 from emulators.epos2.modes.shaft import Shaft
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.wire.cia402 import ControlwordBit, Mode
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import ControlwordBit, Mode
 from firmware_bridge.wire.epos2 import emergency
-from firmware_bridge.wire.epos2.address import Address
 
 MODES: Final[Mapping[int, type[ModeOfOperation]]] = MappingProxyType(
     {

@@ -13,8 +13,8 @@ from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.shaft import Shaft
 from emulators.servo.axis import MOVE, PROFILE_DONE
 from emulators.servo.scaling import speed_units
-from firmware_bridge.wire.cia402 import ControlwordBit, Status
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import ControlwordBit, Status
 from firmware_bridge.wire.epos2 import emergency
 
 # The controlword's bits as plain numbers: flags are slow, and every set-point is looked at.
@@ -68,7 +68,7 @@ class ProfilePosition(ModeOfOperation):
 
         In a halt the new set-point takes the place of the interrupted one, and starts when the halt ends.
         """
-        setpoint = self.shaft.store.get(at.TARGET_POSITION), bool(word & _RELATIVE)
+        setpoint = self.shaft.store.get(od.TARGET_POSITION), bool(word & _RELATIVE)
         at_once = bool(word & _CHANGE_IMMEDIATELY)
         if self.shaft.halted:
             self._waiting = setpoint
@@ -118,5 +118,5 @@ class ProfilePosition(ModeOfOperation):
         self._go_on()
 
     def _go_on(self) -> None:
-        cruise = speed_units(self.shaft.axis, self.shaft.store.get(at.PROFILE_VELOCITY))
-        self.shaft.move(cruise, at.PROFILE_ACCELERATION, at.PROFILE_DECELERATION)
+        cruise = speed_units(self.shaft.axis, self.shaft.store.get(od.PROFILE_VELOCITY))
+        self.shaft.move(cruise, od.PROFILE_ACCELERATION, od.PROFILE_DECELERATION)

@@ -5,9 +5,9 @@ from typing import ClassVar, Final
 from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.servo.axis import AT_REST
 from emulators.servo.commands import regulate_velocity
-from firmware_bridge.wire.cia402 import Status
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import Status
 
 _SPEED_IS_ZERO: Final = int(Status.SPEED_IS_ZERO)
 
@@ -16,12 +16,12 @@ class ProfileVelocity(ModeOfOperation):
     """Mode that regulates to the velocity 0x60FF."""
 
     heeds_halt: ClassVar[bool] = True
-    heeds: ClassVar[tuple[Address, ...]] = (at.TARGET_VELOCITY,)
+    heeds: ClassVar[tuple[Address, ...]] = (od.TARGET_VELOCITY,)
 
     def begin(self) -> None:
         """Go over to the velocity that the object holds."""
         regulate_velocity(self.shaft.axis)
-        self._go(self.shaft.store.get(at.TARGET_VELOCITY))
+        self._go(self.shaft.store.get(od.TARGET_VELOCITY))
 
     def enter(self) -> None:
         """Come to standstill; a velocity counts when it is written, or with the next controlword."""
@@ -31,7 +31,7 @@ class ProfileVelocity(ModeOfOperation):
     def controls(self, word: int, before: int) -> bool:
         """Every controlword starts the velocity that the object holds."""
         del word, before
-        self._go(self.shaft.store.get(at.TARGET_VELOCITY))
+        self._go(self.shaft.store.get(od.TARGET_VELOCITY))
         return False
 
     def written(self, address: Address, value: int) -> None:
@@ -44,7 +44,7 @@ class ProfileVelocity(ModeOfOperation):
         shaft = self.shaft
         # Halt keeps 0x60FF: without it the ramp goes back to that velocity.
         velocity = 0 if shaft.halted else shaft.bounded(rpm)
-        shaft.ramp(velocity, at.PROFILE_ACCELERATION, at.PROFILE_DECELERATION)
+        shaft.ramp(velocity, od.PROFILE_ACCELERATION, od.PROFILE_DECELERATION)
 
     def status(self, *, failed: bool) -> int:
         """Bit 12: speed is 0; bit 13 is not used."""

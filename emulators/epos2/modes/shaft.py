@@ -26,9 +26,9 @@ from emulators.servo.axis import (
 from emulators.servo.commands import brake, judge_again, regulate_position
 from emulators.servo.profile import stopping_distance
 from emulators.servo.scaling import acceleration_units, speed_units
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2 import emergency
-from firmware_bridge.wire.epos2.address import Address
 
 LONGEST_MOVE_MS: Final = (1 << 31) - 1
 
@@ -96,11 +96,11 @@ class Shaft:
         regulate_position(self.axis)
         self.brake()
 
-    def brake(self, address: Address = at.PROFILE_DECELERATION) -> None:
+    def brake(self, address: Address = od.PROFILE_DECELERATION) -> None:
         """Ramp to standstill with the deceleration that an object holds, and hold."""
         rpm_per_second = self.store.get(address)
-        if address != at.QUICK_STOP_DECELERATION:
-            rpm_per_second = min(rpm_per_second, self.store.get(at.MAX_ACCELERATION))
+        if address != od.QUICK_STOP_DECELERATION:
+            rpm_per_second = min(rpm_per_second, self.store.get(od.MAX_ACCELERATION))
         axis, shape, before = self.axis, self.axis.shape, self._ramp()
         brake(axis, rpm_per_second)
         # What brakes already goes on: faults that follow each other closely must not begin it ever again.
@@ -143,12 +143,12 @@ class Shaft:
 
     def _ramp(self) -> tuple[int, ...]:
         axis = self.axis
-        shape = self.store.get(at.MOTION_PROFILE_TYPE)
+        shape = self.store.get(od.MOTION_PROFILE_TYPE)
         return axis.profile, axis.target_velocity, axis.acceleration, axis.deceleration, shape
 
     def _shape(self) -> None:
         """Set the profile of the ramp or move that begins, by 0x6086."""
-        if self.store.get(at.MOTION_PROFILE_TYPE) == SINE:
+        if self.store.get(od.MOTION_PROFILE_TYPE) == SINE:
             sine.load(self.axis)
         else:
             self.axis.shape = TRAPEZOID
@@ -160,16 +160,16 @@ class Shaft:
 
     def fastest(self) -> int:
         """Return the fastest that a profile may go, in velocity units: 0x607F and 0x6410:4."""
-        return min(speed_units(self.axis, self.store.get(at.MAX_PROFILE_VELOCITY)), self.axis.speed_limit)
+        return min(speed_units(self.axis, self.store.get(od.MAX_PROFILE_VELOCITY)), self.axis.speed_limit)
 
     def acceleration(self, address: Address) -> int:
         """Return the acceleration that an object holds, in units, within 0x60C5.
 
         Assumed: 0x60C5 limits profiles and halts, and leaves the quick stop 0x6085 as it is.
         """
-        limit = self.store.get(at.MAX_ACCELERATION)
+        limit = self.store.get(od.MAX_ACCELERATION)
         return acceleration_units(self.axis, min(self.store.get(address), limit))
 
     def limits(self) -> tuple[int, int]:
         """Return the software position limits 0x607D in qc."""
-        return self.store.get(at.MIN_POSITION_LIMIT), self.store.get(at.MAX_POSITION_LIMIT)
+        return self.store.get(od.MIN_POSITION_LIMIT), self.store.get(od.MAX_POSITION_LIMIT)

@@ -10,8 +10,9 @@ from typing import Final
 from emulators.servo.axis import ELECTRONIC_GEAR, POSITION
 from emulators.servo.record import ServoRecord
 from emulators.servo.scaling import raw_speed_rpm, speed_rpm
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 
 STANDSTILL_WINDOW: Final = Address(0x2101, 1)
 STANDSTILL_TIME: Final = Address(0x2101, 2)
@@ -46,11 +47,11 @@ PARAMETERS: Final = (
     AxisParameter(at.OUTPUT_CURRENT_LIMIT, "peak_current"),
     AxisParameter(at.THERMAL_TIME_CONSTANT, "thermal_time"),
     AxisParameter(at.MAX_MOTOR_SPEED, "max_speed"),
-    AxisParameter(at.MAX_FOLLOWING_ERROR, "following_error"),
-    AxisParameter(at.POSITION_WINDOW, "position_window"),
-    AxisParameter(at.POSITION_WINDOW_TIME, "position_window_time"),
-    AxisParameter(at.VELOCITY_WINDOW, "velocity_window"),
-    AxisParameter(at.VELOCITY_WINDOW_TIME, "velocity_window_time"),
+    AxisParameter(od.MAX_FOLLOWING_ERROR, "following_error"),
+    AxisParameter(od.POSITION_WINDOW, "position_window"),
+    AxisParameter(od.POSITION_WINDOW_TIME, "position_window_time"),
+    AxisParameter(od.VELOCITY_WINDOW, "velocity_window"),
+    AxisParameter(od.VELOCITY_WINDOW_TIME, "velocity_window_time"),
     AxisParameter(STANDSTILL_WINDOW, "standstill_window"),
     AxisParameter(STANDSTILL_TIME, "standstill_time"),
 )
@@ -59,7 +60,7 @@ ONLY_WITHOUT_POWER: Final = (
     at.ENCODER_PULSES,
     at.SENSOR_TYPE,
     SENSOR_POLARITY,
-    at.MOTOR_TYPE,
+    od.MOTOR_TYPE,
     MISCELLANEOUS,
 )
 """Refused with 0x08000022 while the power stage is on (EPOS Firmware Specification, by analogy)."""
@@ -106,11 +107,11 @@ ACTUAL_VALUES: Final[tuple[tuple[Address, Callable[[ServoRecord], int]], ...]] =
     (at.ANALOGUE_INPUT_2, lambda axis: _signed_16(axis.analogue_2_mv)),
     (DIGITAL_POSITION, desired_value),
     (at.FOLLOWING_ERROR, lambda axis: _signed_16(following_error(axis))),
-    (at.POSITION_DEMAND, position_demand),
-    (at.POSITION_ACTUAL, lambda axis: axis.position),
-    (at.VELOCITY_DEMAND, velocity_demand),
+    (od.POSITION_DEMAND, position_demand),
+    (od.POSITION_ACTUAL, lambda axis: axis.position),
+    (od.VELOCITY_DEMAND, velocity_demand),
     # Raw: 1 qc/ms is the resolution, and at 256 pulses 58.6 rpm, as recorded from an EPOS2.
-    (at.VELOCITY_ACTUAL, raw_speed_rpm),
-    (at.CURRENT_ACTUAL, lambda axis: _signed_16(axis.current_ma)),
+    (od.VELOCITY_ACTUAL, raw_speed_rpm),
+    (od.CURRENT_ACTUAL, lambda axis: _signed_16(axis.current_ma)),
 )
 """Objects that are read from the axis."""

@@ -10,9 +10,10 @@ from types import MappingProxyType
 from typing import Final
 
 from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile, Known
+from firmware_bridge.canopen.object_row import Provenance
 from firmware_bridge.wire.epos2.differences import EDS_50_5
 from firmware_bridge.wire.epos2.hardware import TYPES
-from firmware_bridge.wire.epos2.rows import EDS, Provenance
+from firmware_bridge.wire.epos2.rows import EDS
 
 _NAME: Final = Known(Provenance.DOCUMENTED, "the type's name gives supply and continuous current")
 _PEAK: Final = Known(Provenance.ASSUMED, "own assumption: twice the continuous current; no document at hand")

@@ -12,8 +12,8 @@ from typing import Any, Final, get_args, get_type_hints
 
 from emulators.epos2.objects.device_profile import DeviceProfile, Known
 from firmware_bridge import renamed
+from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND
-from firmware_bridge.wire.abort import AbortCode
 
 ELSEWHERE: Final = frozenset({"bit_rate", "rs232_rate"})
 """Fields that have an option of their own."""

@@ -9,10 +9,12 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Annotated, Final, get_type_hints
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.object_row import ObjectRow, Provenance
 from firmware_bridge.units import MICROSECOND, Nanoseconds
-from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.differences import DIFFERENCES, objects_of
 from firmware_bridge.wire.epos2.hardware import TYPES
 from firmware_bridge.wire.epos2.rows import (
@@ -23,8 +25,6 @@ from firmware_bridge.wire.epos2.rows import (
     EDS,
     FIRMWARE_SPECIFICATION,
     LIBRARY,
-    ObjectRow,
-    Provenance,
 )
 
 BIT_RATE: Final = Address(0x2001)
@@ -206,9 +206,9 @@ class DeviceProfile:
         return MappingProxyType(
             {
                 **({} if difference is None else difference.defaults),
-                at.PRODUCT_CODE: hardware << 16 | self.application_number,
-                at.REVISION: self.software_version << 16 | self.application_version,
-                at.SERIAL_NUMBER: self.serial_number & 0xFFFF_FFFF,
+                od.PRODUCT_CODE: hardware << 16 | self.application_number,
+                od.REVISION: self.software_version << 16 | self.application_version,
+                od.SERIAL_NUMBER: self.serial_number & 0xFFFF_FFFF,
                 Address(0x2003, 1): self.software_version,
                 Address(0x2003, 2): hardware,
                 Address(0x2003, 3): self.application_number,
@@ -233,8 +233,8 @@ class DeviceProfile:
 
 _FIELDS: Final[Mapping[Address, str]] = MappingProxyType(
     {
-        at.PRODUCT_CODE: "hardware_version",
-        at.REVISION: "software_version",
+        od.PRODUCT_CODE: "hardware_version",
+        od.REVISION: "software_version",
         Address(0x2003, 1): "software_version",
         Address(0x2003, 2): "hardware_version",
         BIT_RATE: "bit_rate",

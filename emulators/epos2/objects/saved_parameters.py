@@ -13,11 +13,11 @@ from typing import Final, Protocol
 
 from emulators.epos2.objects.device_profile import DeviceProfile
 from emulators.epos2.objects.store import ObjectStore
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.wire.epos2.objects_pdo import PDOS, RECEIVE_PARAMETER, TRANSMIT_PARAMETER
-from firmware_bridge.wire.epos2.rows import ObjectRow
 
 SAVE: Final = int.from_bytes(b"save", "little")
 LOAD: Final = int.from_bytes(b"load", "little")
@@ -155,7 +155,7 @@ class SavedParameters:
 
     def _restore(self, signature: int) -> None:
         self._check(signature, LOAD, RESTORE_ALL)
-        if self._store.live(at.STATUSWORD) & POWER_STAGE:
+        if self._store.live(od.STATUSWORD) & POWER_STAGE:
             raise SdoAbort(AbortCode.DEVICE_STATE, RESTORE_ALL)
         self._keep({}, RESTORE_ALL)
 

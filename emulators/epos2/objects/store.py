@@ -10,10 +10,10 @@ from functools import partial
 from types import MappingProxyType
 from typing import Final
 
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.wire.epos2.objects import OBJECTS
-from firmware_bridge.wire.epos2.rows import ObjectRow
 
 LARGEST_DOMAIN: Final = 4096
 """Capacity of a domain in bytes (assumed: no limit is documented)."""

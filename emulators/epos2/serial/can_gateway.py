@@ -11,9 +11,9 @@ from typing import Final, TypeAlias
 
 from emulators.epos2.objects.device_profile import DeviceProfile
 from emulators.epos2.serial.remote import Remote
+from firmware_bridge.canopen import cia301, sdo
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
-from firmware_bridge.wire import canopen, sdo
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.can import MAX_PAYLOAD, REMOTE, STANDARD_MASK
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.messages import Answer, FrameRead, Request
@@ -56,7 +56,7 @@ class CanGateway:
 
     def listens(self, address: int) -> bool:
         """Return whether a frame of this identifier is of interest."""
-        return address == self.awaits or (address == canopen.LSS_RESPONSE and self._receives_lss)
+        return address == self.awaits or (address == cia301.LSS_RESPONSE and self._receives_lss)
 
     def ask(self, request: Request, now: Nanoseconds) -> Result:
         """Begin to ask another node; its answer where that is here already; SdoAbort."""
@@ -64,9 +64,9 @@ class CanGateway:
         if kept is not None:
             return kept
         node, payload = self._remote.ask(request)
-        self._begin(request, canopen.SDO_RESPONSE + node, now + self._profile.gateway_latency)
+        self._begin(request, cia301.SDO_RESPONSE + node, now + self._profile.gateway_latency)
         # Not sent yet: the gateway costs 130 us, measured by maxon (Application Notes, p. 168).
-        self._leaving = (canopen.SDO_REQUEST + node, payload)
+        self._leaving = (cia301.SDO_REQUEST + node, payload)
         return self.wake(now)
 
     def request_frame(self, request: messages.RequestCanFrame, now: Nanoseconds) -> Result:
@@ -85,14 +85,14 @@ class CanGateway:
         """Send a request to the LSS slaves; forget their earlier answers."""
         # An answer to an earlier request must not pass for one to this.
         self._lss, self._receives_lss = None, True
-        self._drive.send(canopen.LSS_REQUEST, payload)
+        self._drive.send(cia301.LSS_REQUEST, payload)
 
     def read_lss(self, request: messages.ReadLssFrame, now: Nanoseconds) -> Result:
         """Return a slave's answer received since, or wait for it."""
         frame, self._lss = self._lss, None
         if frame is not None:
             return _frame(frame)
-        self._begin(request, canopen.LSS_RESPONSE, now + request.timeout * MILLISECOND)
+        self._begin(request, cia301.LSS_RESPONSE, now + request.timeout * MILLISECOND)
         return self.wake(now)
 
     def wake(self, now: Nanoseconds) -> Result:
@@ -113,7 +113,7 @@ class CanGateway:
         request = self._request
         # Before the request is on the bus, a response with this identifier is another client's.
         if address != self.awaits or request is None or self._leaving is not None:
-            if address == canopen.LSS_RESPONSE and self._lss is None:
+            if address == cia301.LSS_RESPONSE and self._lss is None:
                 self._lss = payload
             return None
         if isinstance(request, messages.RequestCanFrame | messages.ReadLssFrame):
@@ -126,14 +126,14 @@ class CanGateway:
             if part is not None:
                 # The host's segment of 8 bytes is 7 + 1 on the bus:
                 # the second frame waits for the first response.
-                self._drive.send(address - canopen.SDO_RESPONSE + canopen.SDO_REQUEST, part)
+                self._drive.send(address - cia301.SDO_RESPONSE + cia301.SDO_REQUEST, part)
             return None
         complaint = self._remote.complaint(request, response)
         self._end()
         if complaint is not None and isinstance(response, sdo.UploadResponse):
             # The server has begun a segmented upload that ReadObject
             # cannot fetch: it must not wait for segments.
-            server = address - canopen.SDO_RESPONSE + canopen.SDO_REQUEST
+            server = address - cia301.SDO_RESPONSE + cia301.SDO_REQUEST
             self._drive.send(server, sdo.encode_abort(response.address, complaint))
             return complaint
         return result

@@ -19,9 +19,9 @@ from typing import Any, TypeAlias
 
 from emulators.epos2.objects.device_profile import DeviceProfile
 from emulators.epos2.serial.segmented_transfer import payload_of
-from firmware_bridge.wire import canopen, sdo
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen import cia301, sdo
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.messages import Answer, Done, Request, address_of, control, toggle_of
 
@@ -91,7 +91,7 @@ class Remote:
     def ask(self, request: Request) -> NodeFrame:
         """Return the frame for a request; SdoAbort where there can be none."""
         node, payload = self._requested[type(request)](request)
-        if not canopen.FIRST_NODE <= node <= canopen.LAST_NODE:
+        if not cia301.FIRST_NODE <= node <= cia301.LAST_NODE:
             raise SdoAbort(AbortCode.WRONG_NODE)
         return node, payload
 

@@ -6,8 +6,8 @@ Assumed: a wrong toggle bit or length ends the transfer, and without one a segme
 from dataclasses import dataclass, field
 
 from emulators.epos2.objects.store import ObjectStore
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.maxon.messages import (
     DIRECT_SEGMENT,
     SegmentOut,

@@ -13,10 +13,10 @@ from emulators.epos2.objects.saved_parameters import Storage
 from emulators.epos2.serial.can_gateway import DriveOnBus
 from emulators.epos2.serial.serial_port import SerialPort
 from emulators.servo.axis import ServoAxis
+from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire.canopen import NmtCommand, NmtState
 from firmware_bridge.wire.maxon.frame import Generation
 
 

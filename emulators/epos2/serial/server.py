@@ -12,11 +12,11 @@ from emulators.epos2.objects.device_profile import DeviceProfile
 from emulators.epos2.objects.store import ObjectStore
 from emulators.epos2.serial.can_gateway import CanGateway, DriveOnBus, Result
 from emulators.epos2.serial.segmented_transfer import SegmentedTransfer
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.cia301 import ALL_NODES, LAST_NODE, NmtCommand
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.can import MAX_PAYLOAD, STANDARD_MASK
-from firmware_bridge.wire.canopen import ALL_NODES, LAST_NODE, NmtCommand
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.frame import Frame
 from firmware_bridge.wire.maxon.messages import Done, Request, address_of
@@ -140,13 +140,13 @@ class SerialServer:
             raise SdoAbort(AbortCode.WRONG_NODE)
         if request.command not in set(NmtCommand):
             raise SdoAbort(AbortCode.RANGE)
-        payload = canopen.encode_nmt(NmtCommand(request.command), request.node)
+        payload = cia301.encode_nmt(NmtCommand(request.command), request.node)
         own = self._drive.node()
         if request.node != own:
-            self._drive.send(canopen.NMT, payload)
+            self._drive.send(cia301.NMT, payload)
         # A CAN node does not receive its own frames: a command to all is delivered to this drive here.
         if request.node in {ALL_NODES, own}:
-            self._drive.receive(canopen.NMT, payload)
+            self._drive.receive(cia301.NMT, payload)
         return Done(0)
 
     def _send_frame(self, request: messages.SendCanFrame, _now: Nanoseconds) -> Result:
@@ -163,5 +163,5 @@ class SerialServer:
     def _send_lss(self, request: messages.SendLssFrame, _now: Nanoseconds) -> Result:
         self.gateway.send_lss(request.raw)
         # As with NMT: this drive is an LSS slave, too, and does not receive its own frame.
-        self._drive.receive(canopen.LSS_REQUEST, request.raw)
+        self._drive.receive(cia301.LSS_REQUEST, request.raw)
         return Done(0)

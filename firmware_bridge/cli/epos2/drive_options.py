@@ -5,8 +5,8 @@ from typing import Annotated, Any, Final
 
 import typer
 
+from firmware_bridge.canopen.cia301 import ALL_NODES, FIRST_NODE, LAST_NODE
 from firmware_bridge.cli.usage import PlainCommand
-from firmware_bridge.wire.canopen import ALL_NODES, FIRST_NODE, LAST_NODE
 from firmware_bridge.wire.maxon.frame import Generation
 
 

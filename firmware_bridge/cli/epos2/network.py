@@ -6,12 +6,12 @@ from typing import Annotated, Final
 
 import typer
 
+from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import say
 from firmware_bridge.cli.epos2.drive_options import JsonOption, NetworkNodeOption
 from firmware_bridge.cli.epos2.one_drive import OneDrive, one_drive
 from firmware_bridge.drivers.commissioning.network_command import NetworkCommand
-from firmware_bridge.wire.canopen import NmtCommand
 
 EXAMPLES: Final = """Examples:
 

@@ -3,19 +3,19 @@
 import re
 from typing import Any, Final
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import meaning_of
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.drivers.commissioning.job import JobError, RefusedError
 from firmware_bridge.drivers.commissioning.names import name_of
 from firmware_bridge.drivers.commissioning.reading import Reading
 from firmware_bridge.drivers.commissioning.values import unit_of
 from firmware_bridge.drivers.commissioning.words import words
-from firmware_bridge.wire.abort import meaning_of
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.differences import ANY_TYPE
 
 _SIMPLE: Final = re.compile(r"[A-Za-z/]+")
 """Units as people say them: rpm, mA, pulses/turn."""
-_PLAIN: Final = frozenset({at.MODE, at.MODE_DISPLAY})
+_PLAIN: Final = frozenset({od.MODE, od.MODE_DISPLAY})
 """Objects whose numbers are decoded, and are no bits."""
 
 

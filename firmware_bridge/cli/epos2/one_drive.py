@@ -6,6 +6,7 @@ from functools import wraps
 from inspect import Signature, signature
 from typing import Any, Final
 
+from firmware_bridge.canopen.cia301 import ALL_NODES, FIRST_NODE
 from firmware_bridge.cli.console import FAILED, INTERRUPTED, one_message, refusal, say
 from firmware_bridge.cli.epos2.drive_options import (
     BaudOption,
@@ -26,7 +27,6 @@ from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.runtime.ports import LostPort, Port, PortError, SerialLine, open_can
 from firmware_bridge.runtime.runner import run
 from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire.canopen import ALL_NODES, FIRST_NODE
 from firmware_bridge.wire.maxon.frame import Generation
 
 _BAUD: Final = {Generation.V1: 115_200, Generation.V2: 1_000_000}

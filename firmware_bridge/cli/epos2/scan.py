@@ -5,6 +5,8 @@ from typing import Annotated, Any, Final
 
 import typer
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import FAILED, INTERRUPTED, refusal, say
 from firmware_bridge.cli.epos2.drive_options import JsonOption
@@ -20,8 +22,6 @@ from firmware_bridge.drivers.commissioning.scan import (
     ScannedNode,
 )
 from firmware_bridge.units import MILLISECOND, from_seconds
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.hardware import type_of
 
 EXAMPLES: Final = """Examples:
@@ -99,7 +99,7 @@ def _row(found: ScannedNode) -> tuple[str, ...]:
 
 def _device(found: ScannedNode) -> str:
     """Return the device's maker and type, as it reports them."""
-    name, product, vendor = (found.value(one) for one in (at.DEVICE_NAME, at.PRODUCT_CODE, at.VENDOR_ID))
+    name, product, vendor = (found.value(one) for one in (od.DEVICE_NAME, od.PRODUCT_CODE, od.VENDOR_ID))
     known = type_of(product) if found.maxon and isinstance(product, int) else None
     if known is not None:
         return known
@@ -111,11 +111,11 @@ def _device(found: ScannedNode) -> str:
 def _version(found: ScannedNode) -> str:
     if found.maxon:
         return f"software {_hex(found, SOFTWARE, 4)}, hardware {_hex(found, HARDWARE, 4)}"
-    return f"revision {_hex(found, at.REVISION, 8)}"
+    return f"revision {_hex(found, od.REVISION, 8)}"
 
 
 def _serial_number(found: ScannedNode) -> str:
-    return _hex(found, SERIAL_NUMBER, 1) if found.maxon else _hex(found, at.SERIAL_NUMBER, 1)
+    return _hex(found, SERIAL_NUMBER, 1) if found.maxon else _hex(found, od.SERIAL_NUMBER, 1)
 
 
 def _hex(found: ScannedNode, address: Address, digits: int) -> str:
@@ -125,7 +125,7 @@ def _hex(found: ScannedNode, address: Address, digits: int) -> str:
 
 
 def _state(found: ScannedNode) -> str:
-    if found.number(at.STATUSWORD) is None:
+    if found.number(od.STATUSWORD) is None:
         return "-"
     return "no state of a drive" if found.state is None else found.state.title
 
@@ -137,17 +137,17 @@ def _record(scan: Scan) -> dict[str, Any]:
                 "node": found.node,
                 "answers": found.answers,
                 "device": _device(found) if found.answers else None,
-                "device_type": found.value(at.DEVICE_TYPE),
-                "vendor": found.value(at.VENDOR_ID),
-                "product_code": found.value(at.PRODUCT_CODE),
-                "revision": found.value(at.REVISION),
+                "device_type": found.value(od.DEVICE_TYPE),
+                "vendor": found.value(od.VENDOR_ID),
+                "product_code": found.value(od.PRODUCT_CODE),
+                "revision": found.value(od.REVISION),
                 "software": found.value(SOFTWARE),
                 "hardware": found.value(HARDWARE),
-                "serial_number": found.value(SERIAL_NUMBER if found.maxon else at.SERIAL_NUMBER),
+                "serial_number": found.value(SERIAL_NUMBER if found.maxon else od.SERIAL_NUMBER),
                 "network": [each.title for each in found.network],
                 "network_heard": found.received is not None,
                 "state": None if found.state is None else found.state.title,
-                "statusword": found.value(at.STATUSWORD),
+                "statusword": found.value(od.STATUSWORD),
             }
             for found in scan.found
         ],

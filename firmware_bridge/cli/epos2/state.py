@@ -5,6 +5,7 @@ from typing import Annotated, Any, Final
 
 import typer
 
+from firmware_bridge.canopen import objects as od
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import say
 from firmware_bridge.cli.epos2.confirm import confirm
@@ -14,7 +15,6 @@ from firmware_bridge.cli.epos2.one_drive import OneDrive, one_drive
 from firmware_bridge.drivers.commissioning.overview import Overview
 from firmware_bridge.drivers.commissioning.power import PowerCommand, Wanted
 from firmware_bridge.drivers.commissioning.words import title
-from firmware_bridge.wire.epos2 import address as at
 
 EXAMPLES: Final = """Examples:
 
@@ -67,11 +67,11 @@ def _text(drive: OneDrive, overview: Overview) -> str:
     rows = (
         ("drive", drive.title),
         ("state", "unknown" if overview.state is None else overview.state.title),
-        ("statusword", value_text(standing, at.STATUSWORD)),
-        ("controlword", value_text(standing, at.CONTROLWORD)),
+        ("statusword", value_text(standing, od.STATUSWORD)),
+        ("controlword", value_text(standing, od.CONTROLWORD)),
         ("mode", title(overview.mode)),
         ("network", " or ".join(each.title for each in overview.network) or "unknown"),
-        ("errors", value_text(standing, at.ERROR_REGISTER)),
+        ("errors", value_text(standing, od.ERROR_REGISTER)),
         ("history", "\n             ".join(errors) or "empty"),
     )
     return "\n".join(f"{name:<11}  {text}" for name, text in rows)

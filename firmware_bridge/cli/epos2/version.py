@@ -3,6 +3,7 @@
 import json
 from typing import Any, Final
 
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import say
 from firmware_bridge.cli.epos2.drive_options import JsonOption
@@ -11,7 +12,6 @@ from firmware_bridge.cli.epos2.one_drive import OneDrive, one_drive
 from firmware_bridge.drivers.commissioning.names import name_of
 from firmware_bridge.drivers.commissioning.overview import IDENTITY
 from firmware_bridge.drivers.commissioning.reading import Reading
-from firmware_bridge.wire.epos2.address import Address
 
 EXAMPLES: Final = """Examples:
 

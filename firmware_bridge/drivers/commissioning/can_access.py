@@ -4,6 +4,16 @@ A bus has room for one SDO client of each node. Beside a running bridge this one
 other's question about the same object.
 """
 
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen.sdo_client import (
+    ATTEMPTS,
+    TIMEOUT,
+    SdoClient,
+    SdoError,
+    SdoRefusedError,
+    Transfer,
+)
+from firmware_bridge.canopen.sdo_client import SdoTimeoutError as NoAnswer
 from firmware_bridge.drivers.commissioning.job import (
     BrokenAnswerError,
     Job,
@@ -16,19 +26,9 @@ from firmware_bridge.drivers.commissioning.job import (
     attempts,
     patience,
 )
-from firmware_bridge.drivers.sdo_client import (
-    ATTEMPTS,
-    TIMEOUT,
-    SdoClient,
-    SdoError,
-    SdoRefusedError,
-    Transfer,
-)
-from firmware_bridge.drivers.sdo_client import SdoTimeoutError as NoAnswer
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire import canopen
 
 
 class CanAccess:
@@ -58,7 +58,7 @@ class CanAccess:
             raise ValueError(f"{job} while {self._job} is under way")
         if isinstance(job, NetworkJob):
             self._sent_only = True
-            return (Packet(CAN, canopen.NMT, canopen.encode_nmt(job.command, job.node)),)
+            return (Packet(CAN, cia301.NMT, cia301.encode_nmt(job.command, job.node)),)
         self._job = job
         # One for each job: storing takes seconds, which is far longer than another answer may take.
         self._client = SdoClient(patience(job, self._timeout))
@@ -67,7 +67,7 @@ class CanAccess:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Sent:
         """Take a frame of the bus; all but those of the drive's SDO server are foreign."""
-        if (packet.link, packet.address) != (CAN, canopen.SDO_RESPONSE + self.node):
+        if (packet.link, packet.address) != (CAN, cia301.SDO_RESPONSE + self.node):
             return ()
         return self._requests(self._client.receive(packet.payload, now))
 
@@ -90,4 +90,4 @@ class CanAccess:
         return BrokenAnswerError(job, outcome.problem)
 
     def _requests(self, payloads: tuple[bytes, ...]) -> Sent:
-        return tuple(Packet(CAN, canopen.SDO_REQUEST + self.node, payload) for payload in payloads)
+        return tuple(Packet(CAN, cia301.SDO_REQUEST + self.node, payload) for payload in payloads)

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
+from firmware_bridge.canopen.abort import AbortCode, meaning_of
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.drivers.commissioning.job import (
     Job,
     JobError,
@@ -15,8 +17,6 @@ from firmware_bridge.drivers.commissioning.job import (
 )
 from firmware_bridge.drivers.commissioning.names import called
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.abort import AbortCode, meaning_of
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.differences import ANY_TYPE
 
 REMEDIES: Final[Mapping[int, str]] = MappingProxyType(

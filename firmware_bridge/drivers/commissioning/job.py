@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from typing import Final, Protocol, TypeAlias
 
+from firmware_bridge.canopen.abort import AbortCode, meaning_of
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.abort import AbortCode, meaning_of
-from firmware_bridge.wire.canopen import NmtCommand
-from firmware_bridge.wire.epos2.address import Address
 
 STORING: Final = frozenset({0x1010, 0x1011})
 """Indexes whose writes take as long as the drive's memory needs."""

@@ -9,10 +9,10 @@ from difflib import get_close_matches
 from types import MappingProxyType
 from typing import Final
 
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.drivers.commissioning.client import CommissioningError
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.differences import ANY_TYPE
-from firmware_bridge.wire.epos2.rows import ObjectRow
 
 MOST_SUGGESTED: Final = 5
 _NUMBERED: Final = re.compile(

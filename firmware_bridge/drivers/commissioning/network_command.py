@@ -7,14 +7,14 @@ A node in Stopped answers no SDO, so nothing is checked there.
 from functools import partial
 from typing import Final
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import ALL_NODES, NODE_MASK, NmtCommand
+from firmware_bridge.canopen.cia402 import Status
 from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Do, Script, Wait, need
 from firmware_bridge.drivers.commissioning.job import JobError, NetworkJob, Outcome, ReadJob, SilentError
 from firmware_bridge.drivers.commissioning.serial_access import OWN, SerialAccess
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.canopen import ALL_NODES, NODE_MASK, NmtCommand
-from firmware_bridge.wire.cia402 import Status
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 
 SETTLE: Final[Nanoseconds] = 100 * MILLISECOND
 RESET_WITHIN: Final[Nanoseconds] = 8 * SECOND
@@ -50,8 +50,8 @@ class NetworkCommand:
         if self.node == ALL_NODES or self.command is NmtCommand.STOP:
             return ()
         if self.command in _RESETS:
-            return (Wait(SETTLE), Ask(ReadJob(at.ERROR_REGISTER), self._back))
-        return (Wait(SETTLE), Ask(ReadJob(at.STATUSWORD), need(partial(self._look))))
+            return (Wait(SETTLE), Ask(ReadJob(od.ERROR_REGISTER), self._back))
+        return (Wait(SETTLE), Ask(ReadJob(od.STATUSWORD), need(partial(self._look))))
 
     def _back(self, outcome: Outcome) -> Script:
         self._time_left -= SETTLE
@@ -59,7 +59,7 @@ class NetworkCommand:
         if isinstance(outcome, SilentError):
             self._time_left -= outcome.waited
         if isinstance(outcome, JobError) and self._time_left > 0:
-            return (Wait(SETTLE), Ask(ReadJob(at.ERROR_REGISTER), self._back))
+            return (Wait(SETTLE), Ask(ReadJob(od.ERROR_REGISTER), self._back))
         if isinstance(outcome, JobError):
             raise outcome
         self.seen = True

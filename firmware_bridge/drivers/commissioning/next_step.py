@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from firmware_bridge.wire.cia402 import ControlwordBit, Mode, PowerState, Status
+from firmware_bridge.canopen.cia402 import ControlwordBit, Mode, PowerState, Status
 
 BY_STATE: Final[Mapping[PowerState, str]] = MappingProxyType(
     {

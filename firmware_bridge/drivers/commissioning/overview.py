@@ -2,32 +2,32 @@
 
 from typing import Final
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtState
+from firmware_bridge.canopen.cia402 import Mode, PowerState, Status, state_of
 from firmware_bridge.drivers.commissioning.client import Do, Script
 from firmware_bridge.drivers.commissioning.next_step import next_step
 from firmware_bridge.drivers.commissioning.reading import Reading
-from firmware_bridge.wire.canopen import NmtState
-from firmware_bridge.wire.cia402 import Mode, PowerState, Status, state_of
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 
 STANDING: Final = (
-    at.STATUSWORD,
-    at.CONTROLWORD,
-    at.MODE,
-    at.MODE_DISPLAY,
-    at.ERROR_REGISTER,
-    at.ERROR_HISTORY_COUNT,
+    od.STATUSWORD,
+    od.CONTROLWORD,
+    od.MODE,
+    od.MODE_DISPLAY,
+    od.ERROR_REGISTER,
+    od.ERROR_HISTORY_COUNT,
 )
 HISTORY_LENGTH: Final = 5
 IDENTITY: Final = (
-    at.DEVICE_NAME,
+    od.DEVICE_NAME,
     Address(0x2003, 2),
     Address(0x2003, 1),
     Address(0x2003, 3),
     Address(0x2003, 4),
-    at.VENDOR_ID,
-    at.PRODUCT_CODE,
-    at.REVISION,
+    od.VENDOR_ID,
+    od.PRODUCT_CODE,
+    od.REVISION,
     Address(0x2004),
 )
 """Name, versions in the order of maxon's command library, the identity object, the serial number."""
@@ -58,7 +58,7 @@ class Overview:
     @property
     def state(self) -> PowerState | None:
         """The state of the power state machine; None where it was not read."""
-        word = self._standing.value(at.STATUSWORD)
+        word = self._standing.value(od.STATUSWORD)
         return state_of(word) if isinstance(word, int) else None
 
     @property
@@ -69,14 +69,14 @@ class Overview:
     @property
     def next_step(self) -> str:
         """What brings the drive nearer to motion; empty where that is not known."""
-        control, status = (self._standing.value(address) for address in (at.CONTROLWORD, at.STATUSWORD))
+        control, status = (self._standing.value(address) for address in (od.CONTROLWORD, od.STATUSWORD))
         known = control if isinstance(control, int) else None
         return next_step(self.state, self.mode, known, status if isinstance(status, int) else 0)
 
     @property
     def network(self) -> tuple[NmtState, ...]:
         """Network states that it may be in: a drive in Stopped answers on its own line only."""
-        word = self._standing.value(at.STATUSWORD)
+        word = self._standing.value(od.STATUSWORD)
         return network_states(word, alone=self._alone) if isinstance(word, int) else ()
 
     def script(self) -> Script:
@@ -84,7 +84,7 @@ class Overview:
         return (*self._standing.once(), Do(self._errors))
 
     def _errors(self) -> Script:
-        count = self._standing.value(at.ERROR_HISTORY_COUNT)
+        count = self._standing.value(od.ERROR_HISTORY_COUNT)
         entries = min(count, HISTORY_LENGTH) if isinstance(count, int) else 0
-        self._history = Reading([Address(at.ERROR_HISTORY_COUNT.index, n + 1) for n in range(entries)])
+        self._history = Reading([Address(od.ERROR_HISTORY_COUNT.index, n + 1) for n in range(entries)])
         return self._history.once()

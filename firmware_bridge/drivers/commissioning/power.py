@@ -11,10 +11,8 @@ from enum import Enum
 from functools import partial
 from typing import Final
 
-from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Script, Wait, need
-from firmware_bridge.drivers.commissioning.job import ReadJob, WriteJob
-from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
-from firmware_bridge.wire.cia402 import (
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import (
     FAULT_RESET_WORDS,
     PASSING,
     TOWARDS,
@@ -24,7 +22,9 @@ from firmware_bridge.wire.cia402 import (
     state_of,
     word_of,
 )
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Script, Wait, need
+from firmware_bridge.drivers.commissioning.job import ReadJob, WriteJob
+from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 LOOK_EVERY: Final[Nanoseconds] = 10 * MILLISECOND
 LOOKS: Final = 500
@@ -120,7 +120,7 @@ class PowerCommand:
         return self._looks() if word is None else (*_writes((word,)), *self._looks())
 
     def _looks(self) -> Script:
-        return (Ask(ReadJob(at.STATUSWORD), need(partial(self._look))),)
+        return (Ask(ReadJob(od.STATUSWORD), need(partial(self._look))),)
 
     def _look(self, raw: bytes) -> Script:
         statusword = int.from_bytes(raw, "little")
@@ -157,5 +157,5 @@ class PowerCommand:
 
 def _writes(words: tuple[int, ...]) -> Script:
     return tuple(
-        Ask(WriteJob(at.CONTROLWORD, word.to_bytes(2, "little")), need(lambda _raw: ())) for word in words
+        Ask(WriteJob(od.CONTROLWORD, word.to_bytes(2, "little")), need(lambda _raw: ())) for word in words
     )

@@ -4,14 +4,14 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Final
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.drivers.commissioning.client import Ask, Do, Script, Wait
 from firmware_bridge.drivers.commissioning.job import JobError, Outcome, ReadJob
 from firmware_bridge.drivers.commissioning.values import decode
 from firmware_bridge.drivers.commissioning.words import BY_MODE, mode_of
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire.cia402 import Mode
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 
 
 class Reading:
@@ -20,13 +20,13 @@ class Reading:
     def __init__(self, addresses: Sequence[Address]) -> None:
         self.addresses: Final = tuple(dict.fromkeys(addresses))
         self.found: dict[Address, Outcome] = {}
-        needs_mode = BY_MODE.intersection(self.addresses) and at.MODE_DISPLAY not in self.addresses
-        self._requested = (*self.addresses, at.MODE_DISPLAY) if needs_mode else self.addresses
+        needs_mode = BY_MODE.intersection(self.addresses) and od.MODE_DISPLAY not in self.addresses
+        self._requested = (*self.addresses, od.MODE_DISPLAY) if needs_mode else self.addresses
 
     @property
     def mode(self) -> Mode | None:
         """The drive's mode, which some texts depend on; None where it is not known."""
-        value = self.value(at.MODE_DISPLAY)
+        value = self.value(od.MODE_DISPLAY)
         return mode_of(value) if isinstance(value, int) else None
 
     def value(self, address: Address) -> int | str | None:

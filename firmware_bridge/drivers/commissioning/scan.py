@@ -9,6 +9,11 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Final, TypeAlias
 
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NODE_MASK, NmtState
+from firmware_bridge.canopen.cia402 import PowerState, state_of
 from firmware_bridge.drivers.commissioning.can_access import CanAccess
 from firmware_bridge.drivers.commissioning.client import Ask, Do, Script, Wait, need
 from firmware_bridge.drivers.commissioning.job import JobError, Outcome, ReadJob
@@ -19,11 +24,6 @@ from firmware_bridge.drivers.commissioning.values import decode
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.canopen import NODE_MASK, NmtState
-from firmware_bridge.wire.cia402 import PowerState, state_of
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.hardware import MAXON
 
 TIMEOUT: Final[Nanoseconds] = 50 * MILLISECOND
@@ -66,24 +66,24 @@ class ScannedNode:
     @property
     def maxon(self) -> bool:
         """True where maxon has made it."""
-        return self.value(at.VENDOR_ID) == MAXON
+        return self.value(od.VENDOR_ID) == MAXON
 
     @property
     def profile(self) -> int | None:
         """The number of its device profile, 402 for a drive; 0 where it follows none (CiA 301, 0x1000)."""
-        kind = self.number(at.DEVICE_TYPE)
+        kind = self.number(od.DEVICE_TYPE)
         return None if kind is None else kind & _PROFILE_MASK
 
     @property
     def state(self) -> PowerState | None:
         """State of a drive's power state machine; None where no Statusword gives one."""
-        word = self.number(at.STATUSWORD)
+        word = self.number(od.STATUSWORD)
         return None if word is None else state_of(word)
 
     @property
     def network(self) -> tuple[NmtState, ...]:
         """Network states that it may be in: the reported one, or, of an EPOS2, those of its Statusword."""
-        word = self.number(at.STATUSWORD)
+        word = self.number(od.STATUSWORD)
         if self.received is not None:
             return (self.received,)
         return network_states(word, alone=self._alone) if self.maxon and word is not None else ()
@@ -98,10 +98,10 @@ _Of: TypeAlias = Callable[[ScannedNode], bool]
 _QUESTIONS: Final[tuple[tuple[_Of, tuple[Address, ...]], ...]] = (
     (
         lambda _found: True,
-        (at.DEVICE_TYPE, at.VENDOR_ID, at.PRODUCT_CODE, at.REVISION, at.SERIAL_NUMBER, at.DEVICE_NAME),
+        (od.DEVICE_TYPE, od.VENDOR_ID, od.PRODUCT_CODE, od.REVISION, od.SERIAL_NUMBER, od.DEVICE_NAME),
     ),
     (lambda found: found.maxon, (SOFTWARE, HARDWARE, SERIAL_NUMBER)),
-    (lambda found: found.profile == DRIVES_PROFILE, (at.STATUSWORD,)),
+    (lambda found: found.profile == DRIVES_PROFILE, (od.STATUSWORD,)),
 )
 """The objects to request, by the node's answers so far."""
 
@@ -139,10 +139,10 @@ class Scan:
 
     def overhear(self, packet: Packet) -> None:
         """Take note of a packet that is no one's answer to a question."""
-        node = packet.address - canopen.ERROR_CONTROL
-        if packet.link != CAN or not canopen.FIRST_NODE <= node <= canopen.LAST_NODE:
+        node = packet.address - cia301.ERROR_CONTROL
+        if packet.link != CAN or not cia301.FIRST_NODE <= node <= cia301.LAST_NODE:
             return
-        state = canopen.decode_heartbeat(packet.payload)
+        state = cia301.decode_heartbeat(packet.payload)
         if state is not None:
             self._of(node).received = state
 
@@ -158,7 +158,7 @@ class Scan:
     def _begin_with(self, node: int) -> Script:
         self._link.node = OWN if node == self.own else node
         self.requested.append(node)
-        return (Ask(ReadJob(at.DEVICE_TYPE), partial(self._on_answer, node, at.DEVICE_TYPE)),)
+        return (Ask(ReadJob(od.DEVICE_TYPE), partial(self._on_answer, node, od.DEVICE_TYPE)),)
 
     def _on_answer(self, node: int, address: Address, outcome: Outcome) -> Script:
         if isinstance(outcome, JobError) and outcome.unheard:

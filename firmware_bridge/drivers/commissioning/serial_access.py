@@ -7,6 +7,7 @@ is the same value, and a controlword without a new edge starts nothing.
 
 from typing import Final
 
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.drivers.commissioning.job import (
     BrokenAnswerError,
     Job,
@@ -22,7 +23,6 @@ from firmware_bridge.drivers.commissioning.job import (
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.differences import ANY_TYPE
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.frame import Failure, Generation

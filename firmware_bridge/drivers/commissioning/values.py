@@ -9,20 +9,21 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import Final
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import Mode
+from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.drivers.commissioning.client import CommissioningError
 from firmware_bridge.drivers.commissioning.names import called, squashed
-from firmware_bridge.wire.cia402 import Mode
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.differences import ANY_TYPE
-from firmware_bridge.wire.epos2.rows import DataType, ObjectRow
 
 LONGEST_WRITE: Final = 4
 """Most bytes that are written in one go on every link."""
 _SIGNATURES: Final = {"save": 0x65766173, "load": 0x64616F6C}
 _WORDS: Final[Mapping[Address, Mapping[str, int]]] = MappingProxyType(
     {
-        at.MODE: {squashed(mode.name): int(mode) for mode in Mode},
+        od.MODE: {squashed(mode.name): int(mode) for mode in Mode},
         Address(0x1010, 1): {"save": _SIGNATURES["save"]},
         **{Address(0x1011, sub): {"load": _SIGNATURES["load"]} for sub in (1, 4, 5)},
     }

@@ -8,9 +8,9 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final, TypeAlias
 
-from firmware_bridge.wire.cia402 import ControlwordBit, Mode, Status, command_of, state_of
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import ControlwordBit, Mode, Status, command_of, state_of
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES, NO_ERROR, RegisterBit
 
 Words: TypeAlias = tuple[str, ...]
@@ -113,17 +113,17 @@ def _mode(value: int, _mode: Mode | None) -> Words:
 
 DECODED: Final[Mapping[Address, Callable[[int, Mode | None], Words]]] = MappingProxyType(
     {
-        at.STATUSWORD: _statusword,
-        at.CONTROLWORD: _controlword,
-        at.ERROR_REGISTER: _register,
-        at.MODE: _mode,
-        at.MODE_DISPLAY: _mode,
-        at.SUPPORTED_MODES: _modes,
+        od.STATUSWORD: _statusword,
+        od.CONTROLWORD: _controlword,
+        od.ERROR_REGISTER: _register,
+        od.MODE: _mode,
+        od.MODE_DISPLAY: _mode,
+        od.SUPPORTED_MODES: _modes,
         **{Address(_HISTORY, subindex): _error for subindex in range(1, 6)},
     }
 )
 """Objects whose bits have names, and what gives them; some need the mode that the drive is in."""
-BY_MODE: Final = frozenset({at.STATUSWORD, at.CONTROLWORD})
+BY_MODE: Final = frozenset({od.STATUSWORD, od.CONTROLWORD})
 """Those of them that need the mode."""
 
 

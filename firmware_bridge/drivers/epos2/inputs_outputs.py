@@ -7,17 +7,17 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final, Protocol
 
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen.sdo_client import Outcome, SdoError, SdoTimeoutError, Transfer
 from firmware_bridge.drivers.driver import Level, Reading
 from firmware_bridge.drivers.epos2.setup import general_purpose
-from firmware_bridge.drivers.sdo_client import Outcome, SdoError, SdoTimeoutError, Transfer
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis, Output, Sensor
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.functions import OUTPUT_STATE
-from firmware_bridge.wire.epos2.rows import DataType
 
 MILLIVOLTS: Final = 1000.0
 _VOLTAGE: Final = DataType.INTEGER16

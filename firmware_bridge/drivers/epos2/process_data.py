@@ -9,41 +9,42 @@ off.
 from dataclasses import dataclass
 from typing import Final
 
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen.pdo import Layout
 from firmware_bridge.robot import Axis, CommandForm
-from firmware_bridge.wire import canopen
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.rows import DataType
-from firmware_bridge.wire.pdo import Layout
 
 SYNCHRONOUS: Final = 1
 ON_CHANGE: Final = 255
 
 SET_POINT: Final = {
     CommandForm.SPEED: Layout(
-        (at.CONTROLWORD, DataType.UNSIGNED16), (at.TARGET_VELOCITY, DataType.INTEGER32)
+        (od.CONTROLWORD, DataType.UNSIGNED16), (od.TARGET_VELOCITY, DataType.INTEGER32)
     ),
     CommandForm.POSITION: Layout(
-        (at.CONTROLWORD, DataType.UNSIGNED16), (at.TARGET_POSITION, DataType.INTEGER32)
+        (od.CONTROLWORD, DataType.UNSIGNED16), (od.TARGET_POSITION, DataType.INTEGER32)
     ),
 }
-STATUS: Final = Layout((at.STATUSWORD, DataType.UNSIGNED16))
+STATUS: Final = Layout((od.STATUSWORD, DataType.UNSIGNED16))
 SAMPLE: Final = Layout(
-    (at.STATUSWORD, DataType.UNSIGNED16),
-    (at.POSITION_ACTUAL, DataType.INTEGER32),
+    (od.STATUSWORD, DataType.UNSIGNED16),
+    (od.POSITION_ACTUAL, DataType.INTEGER32),
     (at.CURRENT_AVERAGED, DataType.INTEGER16),
 )
-POSITION: Final = Layout((at.POSITION_ACTUAL, DataType.INTEGER32))
-BRAKING: Final = Layout((at.QUICK_STOP_DECELERATION, DataType.UNSIGNED32))
+POSITION: Final = Layout((od.POSITION_ACTUAL, DataType.INTEGER32))
+BRAKING: Final = Layout((od.QUICK_STOP_DECELERATION, DataType.UNSIGNED32))
 
 SET_POINT_COB_ID: Final = {
-    CommandForm.SPEED: canopen.RECEIVE_PDO[3],
-    CommandForm.POSITION: canopen.RECEIVE_PDO[2],
+    CommandForm.SPEED: cia301.RECEIVE_PDO[3],
+    CommandForm.POSITION: cia301.RECEIVE_PDO[2],
 }
 """Add the node's number."""
-STATUS_COB_ID: Final = canopen.TRANSMIT_PDO[0]
-SAMPLE_COB_ID: Final = canopen.TRANSMIT_PDO[1]
-POSITION_COB_ID: Final = canopen.TRANSMIT_PDO[2]
-BRAKING_COB_ID: Final = canopen.RECEIVE_PDO[0]
+STATUS_COB_ID: Final = cia301.TRANSMIT_PDO[0]
+SAMPLE_COB_ID: Final = cia301.TRANSMIT_PDO[1]
+POSITION_COB_ID: Final = cia301.TRANSMIT_PDO[2]
+BRAKING_COB_ID: Final = cia301.RECEIVE_PDO[0]
 INHIBIT_MS: Final = 1
 """A chattering Statusword must not fill the bus."""
 
@@ -67,9 +68,9 @@ class Pdo:
     def cob_id_entry(self, node: int, *, valid: bool) -> int:
         """Return the value of subindex 1 for this node: flags and identifier."""
         # Bit 30: no remote request; bit 31: the PDO is off (CiA 301).
-        flags = canopen.COB_ID_NO_REMOTE if self.transmits else 0
+        flags = cia301.COB_ID_NO_REMOTE if self.transmits else 0
         if not valid:
-            flags |= canopen.COB_ID_INVALID
+            flags |= cia301.COB_ID_INVALID
         return flags | (self.cob_id + node)
 
 
@@ -88,7 +89,7 @@ def pdos(axis: Axis) -> tuple[Pdo, ...]:
     return (
         *(
             Pdo(0x1400 + i, 0x1600 + i, cob_id, transmits=False, layout=received.get(cob_id))
-            for i, cob_id in enumerate(canopen.RECEIVE_PDO)
+            for i, cob_id in enumerate(cia301.RECEIVE_PDO)
         ),
         *(
             Pdo(
@@ -100,6 +101,6 @@ def pdos(axis: Axis) -> tuple[Pdo, ...]:
                 transmission=timing.get(cob_id, ON_CHANGE),
                 inhibit_ms=inhibited.get(cob_id, INHIBIT_MS),
             )
-            for i, cob_id in enumerate(canopen.TRANSMIT_PDO)
+            for i, cob_id in enumerate(cia301.TRANSMIT_PDO)
         ),
     )

@@ -8,14 +8,14 @@ stop as the EPOS2 Application Notes do.
 import math
 from typing import Final, Protocol
 
+from firmware_bridge.canopen import cia402
+from firmware_bridge.canopen.cia402 import ControlwordBit, PowerState, word_of
 from firmware_bridge.drivers.driver import Position, SetPoint, Speed, Stop
 from firmware_bridge.drivers.epos2.feedback import DriveFeedback
 from firmware_bridge.drivers.epos2.process_data import SET_POINT, SET_POINT_COB_ID
 from firmware_bridge.drivers.epos2.scale import WHOLE_COUNTER, Scale, highest_rpm, travel_of, wrapped
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, CommandForm
-from firmware_bridge.wire import cia402
-from firmware_bridge.wire.cia402 import ControlwordBit, PowerState, word_of
 
 DISABLE_VOLTAGE: Final = word_of(cia402.ControlwordCommand.DISABLE_VOLTAGE)
 SHUTDOWN: Final = word_of(cia402.ControlwordCommand.SHUTDOWN)

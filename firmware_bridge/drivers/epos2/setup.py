@@ -7,16 +7,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
+from firmware_bridge.canopen import cia402
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.drivers.epos2.process_data import Pdo, pdos
 from firmware_bridge.drivers.epos2.scale import Travel, travel_of
 from firmware_bridge.robot import Axis, CommandForm, Output
 from firmware_bridge.robot.settings.epos2 import Epos2Link
-from firmware_bridge.wire import cia402
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.functions import OUTPUT_MASK, OUTPUT_PINS, OutputFunction
 from firmware_bridge.wire.epos2.hardware import alike
-from firmware_bridge.wire.epos2.rows import APPLICATION_NOTES, CIA_301, EDS, FIRMWARE_SPECIFICATION, DataType
+from firmware_bridge.wire.epos2.rows import APPLICATION_NOTES, CIA_301, EDS, FIRMWARE_SPECIFICATION
 
 U8: Final = DataType.UNSIGNED8
 U16: Final = DataType.UNSIGNED16
@@ -110,10 +112,10 @@ def through_gateway(axis: Axis, link: Epos2Link, nodes: Sequence[int]) -> Traffi
 def identity(axis: Axis) -> tuple[SetupObject, ...]:
     """Return what the drive must answer before anything is written to it."""
     return (
-        SetupObject(at.DEVICE_TYPE, U32, SERVO_DRIVE, "device type", "a CiA 402 servo drive answers"),
-        SetupObject(at.VENDOR_ID, U32, MAXON, "vendor", "the objects below are maxon's"),
+        SetupObject(od.DEVICE_TYPE, U32, SERVO_DRIVE, "device type", "a CiA 402 servo drive answers"),
+        SetupObject(od.VENDOR_ID, U32, MAXON, "vendor", "the objects below are maxon's"),
         SetupObject(
-            at.PRODUCT_CODE,
+            od.PRODUCT_CODE,
             U32,
             axis.epos2.product_code,
             "product code",
@@ -155,7 +157,7 @@ def farewell() -> tuple[SetupObject, ...]:
     """Return what is written before the bridge leaves for good."""
     return (
         SetupObject(
-            at.CONSUMER_HEARTBEAT_1, U32, 0, "heartbeat consumer", "the bridge's silence is no fault now"
+            od.CONSUMER_HEARTBEAT_1, U32, 0, "heartbeat consumer", "the bridge's silence is no fault now"
         ),
     )
 
@@ -196,20 +198,20 @@ def _supervision(link: Epos2Link, flows: Traffic) -> Iterator[SetupObject]:
     watch = flows.watched << 16 | link.bridge_silent_ms
     why = "the bridge sees that the drive lives; without, it answers node guarding"
     yield SetupObject(
-        at.PRODUCER_HEARTBEAT, U16, flows.heartbeat_ms, "heartbeat producer", why, APPLICATION_NOTES
+        od.PRODUCER_HEARTBEAT, U16, flows.heartbeat_ms, "heartbeat producer", why, APPLICATION_NOTES
     )
     why = "a dead bridge stops the drive"
     yield SetupObject(
-        at.CONSUMER_HEARTBEAT_1, U32, watch, "heartbeat consumer", why, APPLICATION_NOTES, read_back=True
+        od.CONSUMER_HEARTBEAT_1, U32, watch, "heartbeat consumer", why, APPLICATION_NOTES, read_back=True
     )
     why = "a dead bridge means a quick stop, not a coasting motor"
     reaction = QUICK_STOP_ON_LOST_CONNECTION
     yield SetupObject(
-        at.ABORT_CONNECTION_OPTION, I16, reaction, "abort connection option", why, read_back=True
+        od.ABORT_CONNECTION_OPTION, I16, reaction, "abort connection option", why, read_back=True
     )
     why = "a fault ends in a quick stop"
     yield SetupObject(
-        at.FAULT_REACTION_OPTION, I16, QUICK_STOP_ON_FAULT, "fault reaction option", why, read_back=True
+        od.FAULT_REACTION_OPTION, I16, QUICK_STOP_ON_FAULT, "fault reaction option", why, read_back=True
     )
 
 
@@ -217,7 +219,7 @@ def _protection(axis: Axis) -> Iterator[SetupObject]:
     motor, profile = axis.epos2, axis.epos2.profile
     protects = "protects the motor and people near it"
     yield SetupObject(
-        at.MOTOR_TYPE, U16, motor.motor_type, "motor type", "how the winding is driven", read_back=True
+        od.MOTOR_TYPE, U16, motor.motor_type, "motor type", "how the winding is driven", read_back=True
     )
     if motor.pole_pairs is not None:
         why = "the winding is commutated by them"
@@ -228,8 +230,8 @@ def _protection(axis: Axis) -> Iterator[SetupObject]:
         (at.OUTPUT_CURRENT_LIMIT, U16, motor.peak_current_ma, "output current limit", protects),
         (at.THERMAL_TIME_CONSTANT, U16, motor.thermal_time_constant_100ms, "thermal time constant", protects),
         (at.MAX_MOTOR_SPEED, U32, profile.max_velocity_rpm, "motor speed limit", protects),
-        (at.MAX_PROFILE_VELOCITY, U32, profile.max_velocity_rpm, "profile velocity limit", protects),
-        (at.MAX_FOLLOWING_ERROR, U32, profile.max_following_error_qc, "following error limit", protects),
+        (od.MAX_PROFILE_VELOCITY, U32, profile.max_velocity_rpm, "profile velocity limit", protects),
+        (od.MAX_FOLLOWING_ERROR, U32, profile.max_following_error_qc, "following error limit", protects),
     ):
         yield SetupObject(address, kind, value, name, why, read_back=True)
 
@@ -238,20 +240,20 @@ def _range(travel: Travel, margin_qc: int) -> Iterator[SetupObject]:
     # The drive judges the actual position, too: without the margin an overshoot at the end would be a fault.
     why = "no target beyond the mechanics; the margin is the following error, within which all is well"
     low, high = travel.low_qc - margin_qc, travel.high_qc + margin_qc
-    yield SetupObject(at.MIN_POSITION_LIMIT, I32, low, "lower position limit", why, read_back=True)
-    yield SetupObject(at.MAX_POSITION_LIMIT, I32, high, "upper position limit", why, read_back=True)
+    yield SetupObject(od.MIN_POSITION_LIMIT, I32, low, "lower position limit", why, read_back=True)
+    yield SetupObject(od.MAX_POSITION_LIMIT, I32, high, "upper position limit", why, read_back=True)
 
 
 def _motion(axis: Axis) -> Iterator[SetupObject]:
     profile, mode = axis.epos2.profile, MODE[axis.command]
-    yield SetupObject(at.MODE, I8, mode, "mode of operation", "by the robot file", read_back=True)
+    yield SetupObject(od.MODE, I8, mode, "mode of operation", "by the robot file", read_back=True)
     why = "a trapezoid: its acceleration is bounded"
-    yield SetupObject(at.MOTION_PROFILE_TYPE, I16, TRAPEZOID, "motion profile type", why)
+    yield SetupObject(od.MOTION_PROFILE_TYPE, I16, TRAPEZOID, "motion profile type", why)
     for address, value, name in (
-        (at.PROFILE_VELOCITY, profile.velocity_rpm, "profile velocity"),
-        (at.PROFILE_ACCELERATION, profile.acceleration_rpm_s, "profile acceleration"),
-        (at.PROFILE_DECELERATION, profile.deceleration_rpm_s, "profile deceleration"),
-        (at.QUICK_STOP_DECELERATION, profile.quick_stop_rpm_s, "quick stop deceleration"),
+        (od.PROFILE_VELOCITY, profile.velocity_rpm, "profile velocity"),
+        (od.PROFILE_ACCELERATION, profile.acceleration_rpm_s, "profile acceleration"),
+        (od.PROFILE_DECELERATION, profile.deceleration_rpm_s, "profile deceleration"),
+        (od.QUICK_STOP_DECELERATION, profile.quick_stop_rpm_s, "quick stop deceleration"),
     ):
         yield SetupObject(address, U32, value, name, "how the axis starts and stops", read_back=True)
 

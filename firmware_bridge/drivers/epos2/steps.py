@@ -7,22 +7,23 @@ world that can be rewound looks into each closure at each moment.
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtCommand
+from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen.sdo_client import ATTEMPTS, Outcome, SdoError, Transfer
 from firmware_bridge.drivers.driver import StartupError
 from firmware_bridge.drivers.epos2.setup import SetupObject
 from firmware_bridge.drivers.script_runner import Ask, Do, Script, Until
-from firmware_bridge.drivers.sdo_client import ATTEMPTS, Outcome, SdoError, Transfer
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.canopen import NmtCommand
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.rows import DataType
 
 
 def nmt(axis: Axis, command: NmtCommand) -> Packet:
     """Return the network command to this node."""
-    return Packet(axis.link, canopen.NMT, canopen.encode_nmt(command, axis.epos2.node))
+    return Packet(axis.link, cia301.NMT, cia301.encode_nmt(command, axis.epos2.node))
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +77,7 @@ def expected(axis: Axis, row: SetupObject, attempts: int = 2) -> Ask:
 
 def read(
     axis: Axis,
-    address: at.Address,
+    address: Address,
     kind: DataType,
     then: Callable[[int], Script],
     attempts: int = ATTEMPTS,
@@ -93,7 +94,7 @@ def written(axis: Axis, transfer: Transfer, doing: str) -> Ask:
 def controlled(axis: Axis, controlword: int, attempts: int = ATTEMPTS) -> Ask:
     """Write the controlword by SDO: where process data does not flow there is no other way."""
     # In pre-operational no RPDO is taken (CiA 301), so an object is the only way.
-    transfer = Transfer(at.CONTROLWORD, DataType.UNSIGNED16.encode(controlword), attempts)
+    transfer = Transfer(od.CONTROLWORD, DataType.UNSIGNED16.encode(controlword), attempts)
     return written(axis, transfer, f"writing 0x{controlword:04X}")
 
 

@@ -7,6 +7,12 @@ keeps nothing but its steps, so that its place in the procedure is data.
 from collections.abc import Callable
 from typing import Final
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtCommand
+from firmware_bridge.canopen.cia402 import PowerState, state_of, towards, word_of
+from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen.sdo_client import ATTEMPTS, TIMEOUT, Outcome, SdoError, Transfer
 from firmware_bridge.drivers.driver import StartupError
 from firmware_bridge.drivers.epos2 import setup
 from firmware_bridge.drivers.epos2.feedback import POWERED, DriveFeedback, in_words
@@ -20,13 +26,9 @@ from firmware_bridge.drivers.epos2.set_point import (
 from firmware_bridge.drivers.epos2.setup import SetupObject
 from firmware_bridge.drivers.epos2.steps import controlled, expected, failing, nmt, pause, read, written
 from firmware_bridge.drivers.script_runner import Ask, Do, Script, Step, Until
-from firmware_bridge.drivers.sdo_client import ATTEMPTS, TIMEOUT, Outcome, SdoError, Transfer
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.canopen import NmtCommand
-from firmware_bridge.wire.cia402 import PowerState, state_of, towards, word_of
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.rows import DataType
 
 FIND_WITHIN: Final[Nanoseconds] = 2 * SECOND
 STATE_WITHIN: Final[Nanoseconds] = SECOND
@@ -39,7 +41,7 @@ RESET_POLLS: Final = 5
 STANDSTILL_RPM: Final = 5
 """At the motor; the averaged velocity of a resting shaft shows one or two."""
 FAULT_RESETS: Final = 2
-NEWEST_ERROR: Final = at.Address(at.ERROR_HISTORY_COUNT.index, 1)
+NEWEST_ERROR: Final = Address(od.ERROR_HISTORY_COUNT.index, 1)
 """The code is its low word (EPOS Firmware Specification)."""
 
 
@@ -170,7 +172,7 @@ def _statusword(
         feedback.on_statusword(statusword)
         return then(statusword)
 
-    return read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge, attempts)
+    return read(axis, od.STATUSWORD, DataType.UNSIGNED16, judge, attempts)
 
 
 def _come_to_rest(axis: Axis, feedback: DriveFeedback, *, at_last: bool = False) -> Script:
@@ -230,7 +232,7 @@ def _restarted(axis: Axis, feedback: DriveFeedback, polls: int) -> Ask:
             return (pause(POLL), _restarted(axis, feedback, polls - 1))
         return ()
 
-    return Ask(Transfer(at.STATUSWORD, attempts=1), judge)
+    return Ask(Transfer(od.STATUSWORD, attempts=1), judge)
 
 
 def _farewell(axis: Axis, feedback: DriveFeedback, rows: tuple[SetupObject, ...]) -> Script:

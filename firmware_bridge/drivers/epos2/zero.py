@@ -13,6 +13,10 @@ for its end. Assumed: a mode may be changed with power on, as maxon's command li
 import math
 from typing import Final
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import ControlwordBit, Mode, PowerState, Status
+from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen.sdo_client import Transfer
 from firmware_bridge.drivers.driver import StartupError
 from firmware_bridge.drivers.epos2.feedback import MILLIAMPERES, DriveFeedback
 from firmware_bridge.drivers.epos2.scale import Scale, travel_of
@@ -20,12 +24,10 @@ from firmware_bridge.drivers.epos2.set_point import ENABLE, HALT
 from firmware_bridge.drivers.epos2.setup import MODE, SetupObject
 from firmware_bridge.drivers.epos2.steps import controlled, expected, failing, pause, read, written
 from firmware_bridge.drivers.script_runner import Ask, Do, Script, Step, Until
-from firmware_bridge.drivers.sdo_client import Transfer
 from firmware_bridge.robot import Axis, CommandForm
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
-from firmware_bridge.wire.cia402 import ControlwordBit, Mode, PowerState, Status
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.rows import FIRMWARE_SPECIFICATION, DataType
+from firmware_bridge.wire.epos2.rows import FIRMWARE_SPECIFICATION
 
 ACTUAL_POSITION: Final = 35
 START_HOMING: Final = int(ENABLE | ControlwordBit.NEW_SETPOINT)
@@ -89,7 +91,7 @@ def rows(home_qc: int) -> tuple[SetupObject, ...]:
     return (
         SetupObject(at.HOME_POSITION, DataType.INTEGER32, home_qc, "home position", _WHY, source),
         SetupObject(
-            at.HOMING_METHOD, DataType.INTEGER8, ACTUAL_POSITION, "homing method", "no shaft turns", source
+            od.HOMING_METHOD, DataType.INTEGER8, ACTUAL_POSITION, "homing method", "no shaft turns", source
         ),
     )
 
@@ -106,22 +108,22 @@ def rows_of(axis: Axis) -> tuple[SetupObject, ...]:
     there = "the robot file knows this place"
     return (
         SetupObject(at.HOME_POSITION, i32, scale.within(homing.at, travel), "home position", there, source),
-        SetupObject(at.HOME_OFFSET, i32, offset_qc, "home offset", "off stop and switch", source),
+        SetupObject(od.HOME_OFFSET, i32, offset_qc, "home offset", "off stop and switch", source),
         SetupObject(
-            at.HOMING_SPEED_SWITCH, u32, _whole_rpm(scale, fast), "speed for switch search", _SLOW, source
+            od.HOMING_SPEED_SWITCH, u32, _whole_rpm(scale, fast), "speed for switch search", _SLOW, source
         ),
         SetupObject(
-            at.HOMING_SPEED_ZERO, u32, _whole_rpm(scale, slow), "speed for zero search", _SLOW, source
+            od.HOMING_SPEED_ZERO, u32, _whole_rpm(scale, slow), "speed for zero search", _SLOW, source
         ),
         SetupObject(
-            at.HOMING_ACCELERATION, u32, _whole_rpm(scale, ramp), "homing acceleration", _SLOW, source
+            od.HOMING_ACCELERATION, u32, _whole_rpm(scale, ramp), "homing acceleration", _SLOW, source
         ),
         *(
             SetupObject(at.HOMING_CURRENT, u16, threshold, "current threshold", "this is the stop", source)
             for threshold in current
         ),
         SetupObject(
-            at.HOMING_METHOD, DataType.INTEGER8, homing.method, "homing method", "as the robot file", source
+            od.HOMING_METHOD, DataType.INTEGER8, homing.method, "homing method", "as the robot file", source
         ),
     )
 
@@ -145,7 +147,7 @@ def _sets_out(axis: Axis, feedback: DriveFeedback) -> Ask:
         feedback.on_statusword(statusword)
         return ()
 
-    return read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge)
+    return read(axis, od.STATUSWORD, DataType.UNSIGNED16, judge)
 
 
 def _found(axis: Axis, feedback: DriveFeedback) -> Ask:
@@ -159,7 +161,7 @@ def _found(axis: Axis, feedback: DriveFeedback) -> Ask:
         why = "it gave its homing up" if statusword & _FAILED else "it has not found its zero in time"
         return (_halted(axis), failing(axis, f"{why} (statusword 0x{statusword:04X})"))
 
-    return read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge)
+    return read(axis, od.STATUSWORD, DataType.UNSIGNED16, judge)
 
 
 def _is_enabled(axis: Axis, feedback: DriveFeedback) -> Script:
@@ -172,8 +174,8 @@ def _mode(axis: Axis, mode: Mode) -> Script:
     """Change the mode of operation, and wait for the drive's own report of it."""
     raw = DataType.INTEGER8.encode(mode)
     # 0x6061 shows the mode that is in force; 0x6060 only what was requested.
-    display = SetupObject(at.MODE_DISPLAY, DataType.INTEGER8, mode, "mode of operation", "it counts now")
-    return (written(axis, Transfer(at.MODE, raw), f"writing mode {mode:d}"), expected(axis, display))
+    display = SetupObject(od.MODE_DISPLAY, DataType.INTEGER8, mode, "mode of operation", "it counts now")
+    return (written(axis, Transfer(od.MODE, raw), f"writing mode {mode:d}"), expected(axis, display))
 
 
 def _attained(axis: Axis, feedback: DriveFeedback, polls: int) -> Ask:
@@ -188,7 +190,7 @@ def _attained(axis: Axis, feedback: DriveFeedback, polls: int) -> Ask:
         problem = f"it did not take the position (statusword 0x{statusword:04X}, expected bits 12 and 15)"
         raise StartupError(axis, problem)
 
-    return read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge)
+    return read(axis, od.STATUSWORD, DataType.UNSIGNED16, judge)
 
 
 def _counts(axis: Axis, feedback: DriveFeedback, home_qc: int) -> Ask:
@@ -202,4 +204,4 @@ def _counts(axis: Axis, feedback: DriveFeedback, home_qc: int) -> Ask:
         feedback.reference_set(position_qc)
         return ()
 
-    return read(axis, at.POSITION_ACTUAL, DataType.INTEGER32, judge)
+    return read(axis, od.POSITION_ACTUAL, DataType.INTEGER32, judge)

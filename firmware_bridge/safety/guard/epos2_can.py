@@ -14,6 +14,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final, Protocol
 
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
+from firmware_bridge.canopen.objects import CONSUMER_HEARTBEAT_1, CONTROLWORD, STATUSWORD
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, CommandForm
 from firmware_bridge.safety.guard.axis import GuardedAxis
@@ -22,15 +26,12 @@ from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.safety.guard.writes import BRAKING_PDO, SAMPLE_PDO, STATUS_PDO, Writes, writes_on_can
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.canopen import NmtCommand, NmtState
-from firmware_bridge.wire.epos2.address import CONSUMER_HEARTBEAT_1, CONTROLWORD, STATUSWORD, Address
 
 _SET_POINT: Final = struct.Struct("<Hi")
 """Controlword and target, as the bridge maps them."""
 _SET_POINT_ID: Final = {
-    CommandForm.SPEED: canopen.RECEIVE_PDO[3],
-    CommandForm.POSITION: canopen.RECEIVE_PDO[2],
+    CommandForm.SPEED: cia301.RECEIVE_PDO[3],
+    CommandForm.POSITION: cia301.RECEIVE_PDO[2],
 }
 _BRAKING: Final = struct.Struct("<I")
 _STATUSWORD: Final = struct.Struct("<H")
@@ -140,14 +141,14 @@ class Epos2CanRules(WireRules):
         """The permitted content, by identifier."""
         self._by_node = {axis.node: axis for axis in self.axes}
         self._by_set_point = {_set_point_id(axis): axis for axis in self.axes}
-        self._by_request = {canopen.SDO_REQUEST + axis.node: axis for axis in self.axes}
+        self._by_request = {cia301.SDO_REQUEST + axis.node: axis for axis in self.axes}
         self._readers = {
             first + axis.node: (read, axis)
             for axis in self.axes
             for first, read in (
-                (canopen.TRANSMIT_PDO[STATUS_PDO], _read_status),
-                (canopen.TRANSMIT_PDO[SAMPLE_PDO], _read_sample),
-                (canopen.SDO_RESPONSE, _read_answer),
+                (cia301.TRANSMIT_PDO[STATUS_PDO], _read_status),
+                (cia301.TRANSMIT_PDO[SAMPLE_PDO], _read_sample),
+                (cia301.SDO_RESPONSE, _read_answer),
             )
         }
         """The handler of each identifier that a drive sends, with its axis."""
@@ -175,7 +176,7 @@ class Epos2CanRules(WireRules):
         reason = content.refuses(packet.payload)
         if reason is not None:
             return reason
-        if packet.address == canopen.NMT:
+        if packet.address == cia301.NMT:
             return self._refuses_command(packet.payload[0], packet.payload[1], now)
         axis = self._by_set_point.get(packet.address)
         if axis is not None:
@@ -222,7 +223,7 @@ class Epos2CanRules(WireRules):
         if axis is not None:
             axis.sent(GuardedSetPoint(*_SET_POINT.unpack(packet.payload)), now)
             return (axis,)
-        if packet.address == canopen.NMT:
+        if packet.address == cia301.NMT:
             self._commands(packet.payload[0], packet.payload[1])
             return ()
         axis = self._by_request.get(packet.address)
@@ -254,16 +255,16 @@ class Epos2CanRules(WireRules):
                 axis.not_receiving()
 
     def _addressed(self, node: int) -> Iterable[GuardedAxis]:
-        return self.axes if node == canopen.ALL_NODES else (self._by_node[node],)
+        return self.axes if node == cia301.ALL_NODES else (self._by_node[node],)
 
 
 def _listed(robot: AnyRobot, link: str, axes: tuple[GuardedAxis, ...]) -> dict[int, Content]:
-    nodes = (canopen.ALL_NODES, *(axis.node for axis in axes))
+    nodes = (cia301.ALL_NODES, *(axis.node for axis in axes))
     states = (NmtState.OPERATIONAL, NmtState.PRE_OPERATIONAL, NmtState.STOPPED, NmtState.BOOT_UP)
     listed: dict[int, Content] = {
-        canopen.NMT: Exactly(tuple(bytes((command, node)) for command in LISTED_NMT for node in nodes)),
-        canopen.SYNC: Exactly((b"",)),
-        canopen.ERROR_CONTROL + robot.epos2_link(link).bridge_node: Exactly(
+        cia301.NMT: Exactly(tuple(bytes((command, node)) for command in LISTED_NMT for node in nodes)),
+        cia301.SYNC: Exactly((b"",)),
+        cia301.ERROR_CONTROL + robot.epos2_link(link).bridge_node: Exactly(
             tuple(bytes((one,)) for one in states)
         ),
     }
@@ -271,8 +272,8 @@ def _listed(robot: AnyRobot, link: str, axes: tuple[GuardedAxis, ...]) -> dict[i
         listed[_set_point_id(axis)] = AxisSetPoint(axis.axis.command, axis.targets)
         profile = axis.axis.epos2.profile
         if (least := profile.quick_stop_least_rpm_s) is not None:
-            listed[canopen.RECEIVE_PDO[BRAKING_PDO] + axis.node] = Braking(least, profile.quick_stop_rpm_s)
-        listed[canopen.SDO_REQUEST + axis.node] = SdoRequest(writes_on_can(axis.axis, robot))
+            listed[cia301.RECEIVE_PDO[BRAKING_PDO] + axis.node] = Braking(least, profile.quick_stop_rpm_s)
+        listed[cia301.SDO_REQUEST + axis.node] = SdoRequest(writes_on_can(axis.axis, robot))
     return listed
 
 

@@ -11,6 +11,11 @@ from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
+from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen.objects import CONSUMER_HEARTBEAT_1, CONTROLWORD, POSITION_ACTUAL, STATUSWORD
 from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
@@ -26,17 +31,7 @@ from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.safety.guard.writes import Values, Writes, writes_over_serial
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire import canopen
 from firmware_bridge.wire.can import MAX_PAYLOAD
-from firmware_bridge.wire.canopen import NmtCommand, NmtState
-from firmware_bridge.wire.epos2.address import (
-    CONSUMER_HEARTBEAT_1,
-    CONTROLWORD,
-    POSITION_ACTUAL,
-    STATUSWORD,
-    Address,
-)
-from firmware_bridge.wire.epos2.rows import DataType
 from firmware_bridge.wire.maxon.frame import MaxonAnswer
 from firmware_bridge.wire.maxon.messages import (
     ObjectRead,
@@ -67,9 +62,9 @@ class Epos2SerialRules(WireRules):
         bus = robot.epos2_link(link)
         self.writes: Final[Mapping[int, Writes]] = {axis.node: _all_writes(axis, robot) for axis in self.axes}
         """The permitted writes, by node."""
-        self.beat_id: Final = canopen.ERROR_CONTROL + bus.bridge_node
+        self.beat_id: Final = cia301.ERROR_CONTROL + bus.bridge_node
         """Of the bridge's heartbeat."""
-        self.guarding_id: Final = canopen.ERROR_CONTROL + bus.guardian(robot.nodes_on(link))
+        self.guarding_id: Final = cia301.ERROR_CONTROL + bus.guardian(robot.nodes_on(link))
         """Of the remote frame that has a drive say what the gateway watches."""
         self._by_node = {axis.node: axis for axis in self.axes}
         self._unanswered: deque[tuple[Request | None, bool]] = deque()
@@ -155,7 +150,7 @@ class Epos2SerialRules(WireRules):
 
     def addressed(self, node: int) -> Iterable[GuardedAxis]:
         """Return whom a network command is for."""
-        return self.axes if node == canopen.ALL_NODES else (self._by_node[node],)
+        return self.axes if node == cia301.ALL_NODES else (self._by_node[node],)
 
     def refuses_write(self, request: WriteObject, size: int) -> str | None:
         """Return why an object whose value is listed may not be written now."""
@@ -233,7 +228,7 @@ def _write(rules: Epos2SerialRules, request: WriteObject, _now: Nanoseconds) -> 
 
 
 def _command(rules: Epos2SerialRules, request: SendNmtService, now: Nanoseconds) -> str | None:
-    if request.node != canopen.ALL_NODES and request.node not in rules.writes:
+    if request.node != cia301.ALL_NODES and request.node not in rules.writes:
         return f"node {request.node} is not listed"
     if request.command not in LISTED_NMT:
         return f"network command {request.command} is not listed"

@@ -10,18 +10,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import Mode
+from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.robot import AnyRobot, Axis, CommandForm, Output
 from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.safety.guard.bounds import ends_qc, highest_rpm
 from firmware_bridge.safety.guard.epos2_words import ENABLE, HALT, START_HOMING, STOP_WORDS
 from firmware_bridge.safety.guard.zeroing import ACTUAL_POSITION, OWN_MODE, WRITTEN, by_file
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.cia402 import Mode
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import functions
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.functions import OutputFunction
-from firmware_bridge.wire.epos2.rows import DataType
 
 I8: Final = DataType.INTEGER8
 I16: Final = DataType.INTEGER16
@@ -146,9 +147,9 @@ def _process_data(axis: Axis) -> Iterator[tuple[Address, Values]]:
         received[BRAKING_PDO] = (_BRAKING_MAPPED,)
     for number in _PDOS:
         communication, mapping = (first + number for first in _RECEIVE)
-        identifier = canopen.RECEIVE_PDO[number] + axis.epos2.node
+        identifier = cia301.RECEIVE_PDO[number] + axis.epos2.node
         # CiA 301: a mapping may be changed only while bit 31 of the PDO's COB-ID marks it as invalid.
-        off = canopen.COB_ID_INVALID | identifier
+        off = cia301.COB_ID_INVALID | identifier
         mapped = received.get(number, ())
         # The unused receive PDOs can only be switched off: set-points reach a drive by one identifier.
         yield Address(communication, 1), _exactly(U32, *((off, identifier) if mapped else (off,)))
@@ -159,8 +160,8 @@ def _process_data(axis: Axis) -> Iterator[tuple[Address, Values]]:
                 yield Address(mapping, entry), _exactly(U32, value)
     for number in _PDOS:
         communication, mapping = (first + number for first in _TRANSMIT)
-        identifier = canopen.COB_ID_NO_REMOTE | canopen.TRANSMIT_PDO[number] + axis.epos2.node
-        yield Address(communication, 1), _exactly(U32, canopen.COB_ID_INVALID | identifier, identifier)
+        identifier = cia301.COB_ID_NO_REMOTE | cia301.TRANSMIT_PDO[number] + axis.epos2.node
+        yield Address(communication, 1), _exactly(U32, cia301.COB_ID_INVALID | identifier, identifier)
         yield Address(communication, 2), _exactly(U8, *TRANSMISSIONS)
         yield Address(communication, 3), _within(U16, U16.lowest, U16.highest)
         yield Address(mapping, 0), _within(U8, 0, _MAX_ENTRIES)
@@ -172,19 +173,19 @@ def _process_data(axis: Axis) -> Iterator[tuple[Address, Values]]:
 
 
 def _supervision(watch: int, heartbeat_ms: int) -> Iterator[tuple[Address, Values]]:
-    yield at.PRODUCER_HEARTBEAT, _exactly(U16, heartbeat_ms)
+    yield od.PRODUCER_HEARTBEAT, _exactly(U16, heartbeat_ms)
     # 0 ends the watch; the guard lets it through for a drive without power only.
-    yield at.CONSUMER_HEARTBEAT_1, _exactly(U32, watch, 0)
-    yield at.ABORT_CONNECTION_OPTION, _exactly(I16, QUICK_STOP_ON_LOST_CONNECTION)
-    yield at.FAULT_REACTION_OPTION, _exactly(I16, QUICK_STOP_ON_FAULT)
-    yield at.ERROR_HISTORY_COUNT, _exactly(U8, 0)
-    yield at.CONTROLWORD, _exactly(U16, *STOP_WORDS)
+    yield od.CONSUMER_HEARTBEAT_1, _exactly(U32, watch, 0)
+    yield od.ABORT_CONNECTION_OPTION, _exactly(I16, QUICK_STOP_ON_LOST_CONNECTION)
+    yield od.FAULT_REACTION_OPTION, _exactly(I16, QUICK_STOP_ON_FAULT)
+    yield od.ERROR_HISTORY_COUNT, _exactly(U8, 0)
+    yield od.CONTROLWORD, _exactly(U16, *STOP_WORDS)
 
 
 def _protection(axis: Axis) -> Iterator[tuple[Address, Values]]:
     drive = axis.epos2
     profile = drive.profile
-    yield at.MOTOR_TYPE, _exactly(U16, drive.motor_type)
+    yield od.MOTOR_TYPE, _exactly(U16, drive.motor_type)
     if drive.pole_pairs is not None:
         yield at.POLE_PAIRS, _exactly(U8, drive.pole_pairs)
     yield at.ENCODER_PULSES, _exactly(U32, drive.encoder_lines)
@@ -192,31 +193,31 @@ def _protection(axis: Axis) -> Iterator[tuple[Address, Values]]:
     yield at.OUTPUT_CURRENT_LIMIT, _within(U16, 0, drive.peak_current_ma)
     yield at.THERMAL_TIME_CONSTANT, _within(U16, 1, drive.thermal_time_constant_100ms)
     yield at.MAX_MOTOR_SPEED, _within(U32, 1, profile.max_velocity_rpm)
-    yield at.MAX_PROFILE_VELOCITY, _within(U32, 1, profile.max_velocity_rpm)
-    yield at.MAX_FOLLOWING_ERROR, _within(U32, 1, profile.max_following_error_qc)
+    yield od.MAX_PROFILE_VELOCITY, _within(U32, 1, profile.max_velocity_rpm)
+    yield od.MAX_FOLLOWING_ERROR, _within(U32, 1, profile.max_following_error_qc)
 
 
 def _range(axis: Axis) -> Iterator[tuple[Address, Values]]:
     if axis.travel is None:
         return
     (low, high), margin = ends_qc(axis), axis.epos2.profile.max_following_error_qc
-    for address in (at.MIN_POSITION_LIMIT, at.MAX_POSITION_LIMIT):
+    for address in (od.MIN_POSITION_LIMIT, od.MAX_POSITION_LIMIT):
         yield address, _within(I32, low - margin, high + margin)
 
 
 def _motion(axis: Axis) -> Iterator[tuple[Address, Values]]:
     profile = axis.epos2.profile
     zeroing = () if axis.travel is None else (Mode.HOMING,)
-    yield at.MODE, _exactly(I8, OWN_MODE[axis.command], *zeroing)
-    yield at.MOTION_PROFILE_TYPE, _exactly(I16, 0)
+    yield od.MODE, _exactly(I8, OWN_MODE[axis.command], *zeroing)
+    yield od.MOTION_PROFILE_TYPE, _exactly(I16, 0)
     top_rpm = highest_rpm(axis) if axis.command is CommandForm.POSITION else profile.max_velocity_rpm
-    yield at.PROFILE_VELOCITY, _within(U32, 1, top_rpm)
-    yield at.PROFILE_ACCELERATION, _within(U32, 1, profile.acceleration_rpm_s)
+    yield od.PROFILE_VELOCITY, _within(U32, 1, top_rpm)
+    yield od.PROFILE_ACCELERATION, _within(U32, 1, profile.acceleration_rpm_s)
     # Exactly: a weaker one would brake too late, a stronger one beyond the limit. The quick stop may be
     # weaker where the robot file allows it, down to the inner wheel's in the tightest turn.
-    yield at.PROFILE_DECELERATION, _exactly(U32, profile.deceleration_rpm_s)
+    yield od.PROFILE_DECELERATION, _exactly(U32, profile.deceleration_rpm_s)
     least = profile.quick_stop_least_rpm_s or profile.quick_stop_rpm_s
-    yield at.QUICK_STOP_DECELERATION, _within(U32, least, profile.quick_stop_rpm_s)
+    yield od.QUICK_STOP_DECELERATION, _within(U32, least, profile.quick_stop_rpm_s)
 
 
 def _gains(axis: Axis) -> Iterator[tuple[Address, Values]]:
@@ -243,11 +244,11 @@ def _zero(axis: Axis) -> Iterator[tuple[Address, Values]]:
         return
     yield at.HOME_POSITION, _within(I32, *ends_qc(axis))
     homing = by_file(axis)
-    yield at.HOMING_METHOD, _exactly(I8, ACTUAL_POSITION, *homing.get(at.HOMING_METHOD, ()))
-    for address in homing.keys() - {at.HOMING_METHOD, at.HOME_POSITION}:
+    yield od.HOMING_METHOD, _exactly(I8, ACTUAL_POSITION, *homing.get(od.HOMING_METHOD, ()))
+    for address in homing.keys() - {od.HOMING_METHOD, at.HOME_POSITION}:
         yield address, Values(WRITTEN[address], homing[address])
     # Replaces the entry of the supervision: only an axis with travel may be enabled by SDO, to be referenced.
-    yield at.CONTROLWORD, _exactly(U16, *STOP_WORDS, ENABLE, HALT, START_HOMING)
+    yield od.CONTROLWORD, _exactly(U16, *STOP_WORDS, ENABLE, HALT, START_HOMING)
 
 
 def _outputs(outputs: Sequence[Output]) -> Iterator[tuple[Address, Values]]:

@@ -12,30 +12,31 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import Mode
+from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.robot import Axis, CommandForm
 from firmware_bridge.safety.guard.bounds import ROUNDING, ends_qc, qc_per_unit, rpm_per_unit
 from firmware_bridge.safety.guard.epos2_words import ENABLE, HALT, NEW_SET_POINT, START_HOMING
-from firmware_bridge.wire.cia402 import Mode
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.rows import DataType
 
 ACTUAL_POSITION: Final = 35
 MILLIAMPERES: Final = 1000.0
 OWN_MODE: Final = {CommandForm.SPEED: Mode.PROFILE_VELOCITY, CommandForm.POSITION: Mode.PROFILE_POSITION}
 WRITTEN: Final = {
-    at.MODE: DataType.INTEGER8,
+    od.MODE: DataType.INTEGER8,
     at.HOME_POSITION: DataType.INTEGER32,
-    at.HOMING_METHOD: DataType.INTEGER8,
-    at.HOME_OFFSET: DataType.INTEGER32,
-    at.HOMING_SPEED_SWITCH: DataType.UNSIGNED32,
-    at.HOMING_SPEED_ZERO: DataType.UNSIGNED32,
-    at.HOMING_ACCELERATION: DataType.UNSIGNED32,
+    od.HOMING_METHOD: DataType.INTEGER8,
+    od.HOME_OFFSET: DataType.INTEGER32,
+    od.HOMING_SPEED_SWITCH: DataType.UNSIGNED32,
+    od.HOMING_SPEED_ZERO: DataType.UNSIGNED32,
+    od.HOMING_ACCELERATION: DataType.UNSIGNED32,
     at.HOMING_CURRENT: DataType.UNSIGNED16,
 }
-READ: Final = {**WRITTEN, at.MODE_DISPLAY: DataType.INTEGER8}
+READ: Final = {**WRITTEN, od.MODE_DISPLAY: DataType.INTEGER8}
 """The objects whose values the drive reports and that count here."""
-_SAME: Final = {at.MODE: at.MODE_DISPLAY}
+_SAME: Final = {od.MODE: od.MODE_DISPLAY}
 """The object that confirms the write of another one."""
 
 
@@ -49,12 +50,12 @@ def by_file(axis: Axis) -> Mapping[Address, range]:
         return {}
     rpm, per_unit = abs(rpm_per_unit(axis)), qc_per_unit(axis)
     return {
-        at.HOMING_METHOD: _only(homing.method),
+        od.HOMING_METHOD: _only(homing.method),
         at.HOME_POSITION: _only(round(homing.at * per_unit)),
-        at.HOME_OFFSET: _only(round(homing.offset * per_unit)),
-        at.HOMING_SPEED_SWITCH: _up_to(homing.speed * rpm),
-        at.HOMING_SPEED_ZERO: _up_to(homing.zero_speed * rpm),
-        at.HOMING_ACCELERATION: _up_to(homing.acceleration * rpm),
+        od.HOME_OFFSET: _only(round(homing.offset * per_unit)),
+        od.HOMING_SPEED_SWITCH: _up_to(homing.speed * rpm),
+        od.HOMING_SPEED_ZERO: _up_to(homing.zero_speed * rpm),
+        od.HOMING_ACCELERATION: _up_to(homing.acceleration * rpm),
         **({at.HOMING_CURRENT: _up_to(homing.current_a * MILLIAMPERES)} if homing.current_a else {}),
     }
 
@@ -82,7 +83,7 @@ class Zeroing:
         in_place = (
             {}
             if self.homes is None
-            else {at.HOMING_METHOD: _only(ACTUAL_POSITION), at.HOME_POSITION: self.homes}
+            else {od.HOMING_METHOD: _only(ACTUAL_POSITION), at.HOME_POSITION: self.homes}
         )
         self._ways: Final = tuple(way for way in (in_place, by_file(axis)) if way)
         """The sets of values that the drive must have reported; one of them is enough."""
@@ -100,7 +101,7 @@ class Zeroing:
         reported = self._reported
         # 0x6061, not 0x6060: the mode counts once the drive reports it, as it may refuse the switch or delay
         # it.
-        homes = self.in_homing and reported.get(at.MODE_DISPLAY) == Mode.HOMING
+        homes = self.in_homing and reported.get(od.MODE_DISPLAY) == Mode.HOMING
         return homes and any(
             all(reported.get(address) in allowed for address, allowed in way.items()) for way in self._ways
         )
@@ -108,11 +109,11 @@ class Zeroing:
     @property
     def turns(self) -> bool:
         """True where its homing would turn its shaft, as far as reported."""
-        return self._reported.get(at.HOMING_METHOD) != ACTUAL_POSITION
+        return self._reported.get(od.HOMING_METHOD) != ACTUAL_POSITION
 
     def refuses_write(self, address: Address, value: int, word: int | None, moving: str | None) -> str | None:
         """Return why one of `WRITTEN` may not be written now; `word` is in force, `moving` moves."""
-        if address == at.MODE and value == self._own:
+        if address == od.MODE and value == self._own:
             return (
                 "bit 4 is up, and would be a new position in another mode" if word == START_HOMING else None
             )
@@ -137,12 +138,12 @@ class Zeroing:
     def wrote(self, address: Address, value: int) -> None:
         """Note a write of one of `WRITTEN`: the drive's earlier report of it no longer counts."""
         self._reported.pop(_SAME.get(address, address), None)
-        self.in_homing = self.in_homing or (address == at.MODE and value == Mode.HOMING)
+        self.in_homing = self.in_homing or (address == od.MODE and value == Mode.HOMING)
 
     def read(self, address: Address, value: int) -> None:
         """Note a value that the drive reports."""
         self._reported[address] = value
-        if address in {at.MODE, at.MODE_DISPLAY} and value == self._own:
+        if address in {od.MODE, od.MODE_DISPLAY} and value == self._own:
             self.in_homing = False
 
     def restarted(self) -> None:

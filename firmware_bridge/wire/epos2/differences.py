@@ -9,9 +9,11 @@ from functools import cache
 from types import MappingProxyType
 from typing import Final
 
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.data_type import Access, DataType
+from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.wire.epos2.objects import OBJECTS
-from firmware_bridge.wire.epos2.rows import EDS, Access, DataType, ObjectRow, row
+from firmware_bridge.wire.epos2.rows import EDS, row
 
 EDS_50_5: Final = "maxon EDS, EPOS2 50/5 (347717), software 2126h, hardware 6322h"
 

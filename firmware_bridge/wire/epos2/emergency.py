@@ -11,7 +11,8 @@ from enum import Enum
 from types import MappingProxyType
 from typing import Final
 
-from firmware_bridge.wire.epos2.rows import FIRMWARE_SPECIFICATION, LIBRARY, Provenance
+from firmware_bridge.canopen.object_row import Provenance
+from firmware_bridge.wire.epos2.rows import FIRMWARE_SPECIFICATION, LIBRARY
 
 NO_ERROR: Final = 0x0000
 """Emergency error code after the last error has gone."""

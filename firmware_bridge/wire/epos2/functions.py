@@ -7,7 +7,7 @@ the holding brake.
 from enum import IntEnum
 from typing import Final
 
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.address import Address
 
 
 class InputFunction(IntEnum):

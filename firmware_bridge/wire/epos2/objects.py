@@ -8,14 +8,14 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.wire.epos2.objects_communication import COMMUNICATION
 from firmware_bridge.wire.epos2.objects_io import INPUTS_OUTPUTS
 from firmware_bridge.wire.epos2.objects_pdo import PROCESS_OBJECTS
 from firmware_bridge.wire.epos2.objects_profile import DEVICE_PROFILE
 from firmware_bridge.wire.epos2.objects_sensor import SENSORS
 from firmware_bridge.wire.epos2.objects_system import SYSTEM
-from firmware_bridge.wire.epos2.rows import ObjectRow
 
 _CHAPTERS: Final = (
     COMMUNICATION,

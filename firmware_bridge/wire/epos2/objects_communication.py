@@ -5,7 +5,9 @@ Source: maxon EDS for the EPOS2 70/10, software 2126h; `read` is the value in a 
 
 from typing import Final
 
-from firmware_bridge.wire.epos2.rows import Access, DataType, ObjectRow, count, row
+from firmware_bridge.canopen.data_type import Access, DataType
+from firmware_bridge.canopen.object_row import ObjectRow
+from firmware_bridge.wire.epos2.rows import count, row
 
 _CONST: Final = Access.CONST
 _RO: Final = Access.RO

@@ -6,14 +6,11 @@ Source: maxon EDS for the EPOS2 70/10, software 2126h, which gives every default
 from collections.abc import Iterator
 from typing import Final
 
-from firmware_bridge.wire.canopen import (
-    COB_ID_INVALID,
-    COB_ID_NO_REMOTE,
-    RECEIVE_PDO,
-    TRANSMIT_PDO,
-)
-from firmware_bridge.wire.epos2.rows import Access, DataType, ObjectRow, count, row
-from firmware_bridge.wire.pdo import MAX_ENTRIES
+from firmware_bridge.canopen.cia301 import COB_ID_INVALID, COB_ID_NO_REMOTE, RECEIVE_PDO, TRANSMIT_PDO
+from firmware_bridge.canopen.data_type import Access, DataType
+from firmware_bridge.canopen.object_row import ObjectRow
+from firmware_bridge.canopen.pdo import MAX_ENTRIES
+from firmware_bridge.wire.epos2.rows import count, row
 
 RECEIVE_PARAMETER: Final = 0x1400
 RECEIVE_MAPPING: Final = 0x1600

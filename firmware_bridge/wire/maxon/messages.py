@@ -6,7 +6,7 @@ Source: maxon's command library; EPOS Communication Guide, October 2006 (EPOS1).
 from dataclasses import dataclass
 from typing import Final, Protocol, TypeAlias
 
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.address import Address
 
 DIRECT_SEGMENT: Final = 63
 """Most bytes of a segment on the serial line."""

@@ -10,9 +10,10 @@ from struct import Struct
 from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
+from firmware_bridge.canopen.cia301 import NmtCommand
+from firmware_bridge.canopen.object_row import Provenance
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.canopen import NmtCommand
-from firmware_bridge.wire.epos2.rows import LIBRARY, Provenance
+from firmware_bridge.wire.epos2.rows import LIBRARY
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.frame import Frame, Generation
 from firmware_bridge.wire.maxon.messages import Answer, Done, Request

@@ -7,10 +7,11 @@ from typing import Final
 from emulators.epos2.control.motion_control import MotionControl
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.single import DrivesOrder, drives
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import Mode, PowerState
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.cia402 import Mode, PowerState
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from fmu.build import ensure
 from fmu.single_axis.parameters import SETS
@@ -21,15 +22,15 @@ NEGATIVE, POSITIVE, HOME_IN, HOME_OUT = (round(angle * GEAR * TURN / tau) for an
 """Positions of the motor where the load is at an edge of a switch, but for the backlash, in counts."""
 STOP_LOW, STOP_HIGH = (round(angle * GEAR * TURN / tau) for angle in (-1.0, 2.0))
 TUNED: Final = {
-    at.MOTOR_TYPE: 1,
+    od.MOTOR_TYPE: 1,
     at.CURRENT_P: 50,
     at.CURRENT_I: 20,
     at.POSITION_P: 900,
     at.POSITION_I: 3000,
     at.POSITION_D: 1500,
-    at.HOMING_SPEED_SWITCH: 300,
-    at.HOMING_SPEED_ZERO: 60,
-    at.HOMING_ACCELERATION: 2000,
+    od.HOMING_SPEED_SWITCH: 300,
+    od.HOMING_SPEED_ZERO: 60,
+    od.HOMING_ACCELERATION: 2000,
     at.HOMING_CURRENT: 4000,
 }
 START: Final = 0x1F
@@ -67,7 +68,7 @@ class AxisBench:
 
     @property
     def word(self) -> int:
-        return self.read(at.STATUSWORD)
+        return self.read(od.STATUSWORD)
 
     @property
     def offset(self) -> int:
@@ -90,15 +91,15 @@ class AxisBench:
         raise AssertionError("never comes true")
 
     def enable(self, mode: int = Mode.HOMING) -> None:
-        self.write(at.MODE, mode)
+        self.write(od.MODE, mode)
         for word in (0x06, 0x07, ENABLED):
-            self.write(at.CONTROLWORD, word)
+            self.write(od.CONTROLWORD, word)
         assert self.control.state is PowerState.OPERATION_ENABLED
 
     def starts(self, method: int) -> None:
-        self.write(at.HOMING_METHOD, method)
-        self.write(at.CONTROLWORD, ENABLED)
-        self.write(at.CONTROLWORD, START)
+        self.write(od.HOMING_METHOD, method)
+        self.write(od.CONTROLWORD, ENABLED)
+        self.write(od.CONTROLWORD, START)
 
     def homes(self, method: int) -> int:
         """Home, and return the encoder's count that has the position 0."""

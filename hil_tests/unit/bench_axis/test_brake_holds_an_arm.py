@@ -5,8 +5,8 @@ from typing import Final
 import pytest
 
 from emulators.epos2.io.holding_brake import FALL_TIME, RISE_TIME
-from firmware_bridge.wire.cia402 import Mode, PowerState
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import Mode, PowerState
 from firmware_bridge.wire.epos2.functions import OUTPUT_PINS, OutputFunction
 from hil_tests.unit.bench_axis.axis_bench import GEAR, AxisBench
 
@@ -22,12 +22,12 @@ def level(braked: int) -> AxisBench:
         bench.write(RISE_TIME, 20)
         bench.write(FALL_TIME, 20)
         bench.run(10)
-    bench.write(at.PROFILE_ACCELERATION, 1000)
-    bench.write(at.PROFILE_DECELERATION, 1000)
+    bench.write(od.PROFILE_ACCELERATION, 1000)
+    bench.write(od.PROFILE_DECELERATION, 1000)
     bench.enable(Mode.PROFILE_POSITION)
     bench.run(100)
-    bench.write(at.TARGET_POSITION, round(1.4 * GEAR * 2000 / 6.2832))
-    bench.write(at.CONTROLWORD, START)
+    bench.write(od.TARGET_POSITION, round(1.4 * GEAR * 2000 / 6.2832))
+    bench.write(od.CONTROLWORD, START)
     bench.run(3000)
     assert bench.word & 1 << 10
     return bench
@@ -37,7 +37,7 @@ def level(braked: int) -> AxisBench:
 def test_the_brake_takes_the_load_over_before_power_goes(word: int) -> None:
     bench = level(braked=1)
     before = bench.axis.encoder
-    bench.write(at.CONTROLWORD, word)
+    bench.write(od.CONTROLWORD, word)
     bench.run(1000)
     assert not bench.axis.powered
     assert abs(bench.axis.encoder - before) < 30
@@ -46,7 +46,7 @@ def test_the_brake_takes_the_load_over_before_power_goes(word: int) -> None:
 def test_without_a_brake_it_falls() -> None:
     bench = level(braked=0)
     before = bench.axis.encoder
-    bench.write(at.CONTROLWORD, 0x00)
+    bench.write(od.CONTROLWORD, 0x00)
     bench.run(1000)
     assert bench.axis.encoder < before - 1000
 

@@ -10,10 +10,11 @@ from typing import Final, NamedTuple
 import pytest
 
 from emulators.servo import kernel
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.cia402 import Mode
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from hil_tests.rows import every
 from hil_tests.unit.bench_axis.axis_on_bus import AxisOnBus
@@ -37,11 +38,11 @@ class Served(NamedTuple):
 
 
 SERVED: Final = (
-    Served(Mode.PROFILE_POSITION, ((at.TARGET_POSITION, 3000),), at.POSITION_ACTUAL, 3000, 2),
-    Served(Mode.PROFILE_VELOCITY, ((at.TARGET_VELOCITY, 60),), at.VELOCITY_DEMAND, 60),
-    Served(Mode.HOMING, ((at.HOMING_METHOD, 35), (at.HOME_POSITION, 777)), at.POSITION_ACTUAL, 777, 2),
-    Served(Mode.POSITION, ((at.POSITION_MODE_SETTING, 40),), at.POSITION_ACTUAL, 40, 2),
-    Served(Mode.VELOCITY, ((at.VELOCITY_MODE_SETTING, 60),), at.VELOCITY_DEMAND, 60),
+    Served(Mode.PROFILE_POSITION, ((od.TARGET_POSITION, 3000),), od.POSITION_ACTUAL, 3000, 2),
+    Served(Mode.PROFILE_VELOCITY, ((od.TARGET_VELOCITY, 60),), od.VELOCITY_DEMAND, 60),
+    Served(Mode.HOMING, ((od.HOMING_METHOD, 35), (at.HOME_POSITION, 777)), od.POSITION_ACTUAL, 777, 2),
+    Served(Mode.POSITION, ((at.POSITION_MODE_SETTING, 40),), od.POSITION_ACTUAL, 40, 2),
+    Served(Mode.VELOCITY, ((at.VELOCITY_MODE_SETTING, 60),), od.VELOCITY_DEMAND, 60),
     Served(Mode.CURRENT, ((at.CURRENT_MODE_SETTING, 30),), at.CURRENT_DEMAND, 30),
 )
 
@@ -72,7 +73,7 @@ def test_controlword_and_mode_serve_every_mode(
 ) -> None:
     """The mode behind each controlword of RPDO 2 is the one that is set already: it changes nothing."""
     behind = pack("<b", served.mode) if number == 2 else b""
-    frames = [write(*each) for each in ((at.MODE, served.mode), *served.before)]
+    frames = [write(*each) for each in ((od.MODE, served.mode), *served.before)]
     frames += [word(number, value, behind) for value in (*ENABLING, START)]
     assert abs(moved(monkeypatch, frames, served.shows) - served.value) <= served.within
 
@@ -81,27 +82,27 @@ def test_controlword_and_mode_serve_every_mode(
 def test_controlword_and_target_serve_their_modes(monkeypatch: pytest.MonkeyPatch, repeats: int) -> None:
     """Repeat the last one as a master may: in a PDO the edge counts."""
     target, velocity = pack("<i", 2500), pack("<i", -45)
-    frames = [write(at.MODE, Mode.PROFILE_POSITION)]
+    frames = [write(od.MODE, Mode.PROFILE_POSITION)]
     frames += [word(3, value, target) for value in (*ENABLING, *[START] * repeats)]
-    assert abs(moved(monkeypatch, frames, at.POSITION_ACTUAL) - 2500) <= 2
-    frames = [write(at.MODE, Mode.PROFILE_VELOCITY)]
+    assert abs(moved(monkeypatch, frames, od.POSITION_ACTUAL) - 2500) <= 2
+    frames = [write(od.MODE, Mode.PROFILE_VELOCITY)]
     frames += [word(4, value, velocity) for value in (*ENABLING, *[ENABLING[-1]] * repeats)]
-    assert moved(monkeypatch, frames, at.VELOCITY_DEMAND) == -45
+    assert moved(monkeypatch, frames, od.VELOCITY_DEMAND) == -45
 
 
 @every("number", (1, 2))
 def test_controlword_and_mode_run_a_path(monkeypatch: pytest.MonkeyPatch, number: int) -> None:
     frames = [*path_frames()[:-1], word(number, START, b"\x07" if number == 2 else b"")]
-    assert moved(monkeypatch, frames[1:], at.POSITION_DEMAND) == POSITIONS[-1]
+    assert moved(monkeypatch, frames[1:], od.POSITION_DEMAND) == POSITIONS[-1]
 
 
 def test_a_new_mode_behind_the_controlword_drops_a_set_point_of_the_one_before(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    frames = [write(at.MODE, Mode.PROFILE_POSITION), write(at.TARGET_POSITION, 3000)]
+    frames = [write(od.MODE, Mode.PROFILE_POSITION), write(od.TARGET_POSITION, 3000)]
     frames += [word(1, value) for value in ENABLING]
     frames += [word(2, START, pack("<b", Mode.HOMING))]
-    assert abs(moved(monkeypatch, frames, at.POSITION_ACTUAL)) <= 2
+    assert abs(moved(monkeypatch, frames, od.POSITION_ACTUAL)) <= 2
 
 
 @pytest.mark.parametrize("paths", [2, 3])
@@ -109,7 +110,7 @@ def test_a_written_controlword_starts_each_path_though_bit_4_stays_up(
     monkeypatch: pytest.MonkeyPatch, paths: int
 ) -> None:
     """maxon's command library never lowers it (recorded)."""
-    begin = [write(at.MODE, Mode.INTERPOLATED_POSITION), *(write(at.CONTROLWORD, each) for each in ENABLING)]
+    begin = [write(od.MODE, Mode.INTERPOLATED_POSITION), *(write(od.CONTROLWORD, each) for each in ENABLING)]
     begin += [write(Address(0x60C4, 6), 1)]
     frames, last = begin, 0
     for _ in range(paths):
@@ -117,6 +118,6 @@ def test_a_written_controlword_starts_each_path_though_bit_4_stays_up(
         for position, velocity, ms in records:
             raw = pack("<i", position) + velocity.to_bytes(3, "little") + bytes([ms])
             frames += [(0x601, text) for text in download(raw)]
-        frames += [write(at.CONTROLWORD, START)] * 4 + [(0x080, "")] * 20  # while one runs it starts no other
+        frames += [write(od.CONTROLWORD, START)] * 4 + [(0x080, "")] * 20  # while one runs it starts no other
         last += 400
-    assert moved(monkeypatch, frames, at.POSITION_DEMAND) == last
+    assert moved(monkeypatch, frames, od.POSITION_DEMAND) == last

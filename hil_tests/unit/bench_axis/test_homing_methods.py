@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from emulators.epos2.modes.homing_methods import METHODS
-from firmware_bridge.wire.cia402 import Mode, PowerState
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import Mode, PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
 from hil_tests.lanes import examples
@@ -71,7 +72,7 @@ def test_home_is_where_the_method_states(method: int, start: float, zero: int, o
     bench.enable()
     assert bench.homes(method) == pytest.approx(zero, abs=off)
     bench.run(500)
-    assert abs(bench.read(at.POSITION_ACTUAL)) <= STICKING, "the shaft has come to rest there"
+    assert abs(bench.read(od.POSITION_ACTUAL)) <= STICKING, "the shaft has come to rest there"
     assert bench.word & 0xB400 == 0x9400
 
 
@@ -86,7 +87,7 @@ def test_homing_by_the_index_repeats_to_the_count(method: int) -> None:
 @pytest.mark.parametrize("method", [17, 18, 23])
 def test_homing_by_a_switch_repeats_to_what_gear_and_friction_leave(method: int) -> None:
     bench = AxisBench(BELOW * GEAR, STIFF)
-    bench.write(at.HOMING_SPEED_ZERO, 10)
+    bench.write(od.HOMING_SPEED_ZERO, 10)
     bench.enable()
     first = bench.homes(method)
     for _ in range(3):
@@ -99,14 +100,14 @@ def test_homing_by_a_switch_repeats_to_what_gear_and_friction_leave(method: int)
 )
 def test_the_offset_is_gone_and_the_home_position_counts_there(method: int, offset: int) -> None:
     plain, moved = AxisBench(BELOW * GEAR), AxisBench(BELOW * GEAR)
-    moved.write(at.HOME_OFFSET, offset)
+    moved.write(od.HOME_OFFSET, offset)
     moved.write(at.HOME_POSITION, -123_456)
     for bench in (plain, moved):
         bench.enable()
     assert moved.homes(method) == plain.homes(method) + offset + 123_456
     moved.run(500)
-    assert moved.read(at.POSITION_ACTUAL) == pytest.approx(-123_456, abs=STICKING)
-    assert moved.read(at.POSITION_DEMAND) == -123_456
+    assert moved.read(od.POSITION_ACTUAL) == pytest.approx(-123_456, abs=STICKING)
+    assert moved.read(od.POSITION_DEMAND) == -123_456
 
 
 @pytest.mark.parametrize(
@@ -126,13 +127,13 @@ def test_an_index_that_is_passed_before_the_shaft_has_turned_round_does_not_coun
     method: int, rpm: int
 ) -> None:
     bench = AxisBench(ON_HOME * GEAR, STIFF)
-    bench.write(at.HOMING_ACCELERATION, 1000)
-    bench.write(at.PROFILE_ACCELERATION, 5000)
-    bench.write(at.PROFILE_DECELERATION, 1000)
+    bench.write(od.HOMING_ACCELERATION, 1000)
+    bench.write(od.PROFILE_ACCELERATION, 5000)
+    bench.write(od.PROFILE_DECELERATION, 1000)
     bench.enable(Mode.PROFILE_VELOCITY)
-    bench.write(at.TARGET_VELOCITY, rpm)
+    bench.write(od.TARGET_VELOCITY, rpm)
     bench.run(200)
-    bench.write(at.MODE, Mode.HOMING)
+    bench.write(od.MODE, Mode.HOMING)
     bench.starts(method)
     ends = []
     while not bench.word & 0x3000:
@@ -181,7 +182,7 @@ def test_the_next_index_in_the_direction_is_taken(start: float, method: int) -> 
 def test_the_limit_switch_that_is_looked_for_is_no_fault(method: int) -> None:
     bench = AxisBench(BELOW * GEAR)
     bench.write(INPUT_EXECUTION, 0x0003)
-    bench.write(at.HOME_OFFSET, 1500 if method in {1, 17} else -1500)
+    bench.write(od.HOME_OFFSET, 1500 if method in {1, 17} else -1500)
     bench.enable()
     bench.homes(method)
     assert bench.control.state is PowerState.OPERATION_ENABLED

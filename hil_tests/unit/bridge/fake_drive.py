@@ -1,15 +1,21 @@
 """A drive by the EPOS2's documents."""
 
+from typing import TYPE_CHECKING
+
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen import sdo
+from firmware_bridge.canopen.abort import AbortCode
+from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
+from firmware_bridge.canopen.cia402 import ControlwordBit, ControlwordCommand, PowerState, command_of
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Axis
 from firmware_bridge.robot import CommandForm as Commanded
 from firmware_bridge.units import SECOND, Nanoseconds
-from firmware_bridge.wire import sdo
-from firmware_bridge.wire.abort import AbortCode
-from firmware_bridge.wire.canopen import NmtCommand, NmtState
-from firmware_bridge.wire.cia402 import ControlwordBit, ControlwordCommand, PowerState, command_of
 from firmware_bridge.wire.epos2 import address as at
+
+if TYPE_CHECKING:
+    from firmware_bridge.canopen.address import Address
 
 REMOTE = 1 << 9
 ATTAINED = 1 << 12
@@ -39,16 +45,16 @@ class FakeDrive:
 
     def __init__(self, axis: Axis) -> None:
         self.axis = axis
-        self.memory: dict[at.Address, bytes] = {
-            at.DEVICE_TYPE: bytes.fromhex("92010200"),
-            at.VENDOR_ID: bytes.fromhex("FB000000"),
-            at.PRODUCT_CODE: bytes.fromhex("00002064"),
+        self.memory: dict[Address, bytes] = {
+            od.DEVICE_TYPE: bytes.fromhex("92010200"),
+            od.VENDOR_ID: bytes.fromhex("FB000000"),
+            od.PRODUCT_CODE: bytes.fromhex("00002064"),
             at.VELOCITY_AVERAGED: bytes(4),
             at.ANALOGUE_INPUT_1: (4100).to_bytes(2, "little"),
         }
-        self.written: list[tuple[at.Address, bytes]] = []
-        self.refuses: dict[at.Address, AbortCode] = {}
-        self.forgets: set[at.Address] = set()
+        self.written: list[tuple[Address, bytes]] = []
+        self.refuses: dict[Address, AbortCode] = {}
+        self.forgets: set[Address] = set()
         self.state = PowerState.SWITCH_ON_DISABLED
         self.nmt = NmtState.PRE_OPERATIONAL
         self.silent = False
@@ -112,7 +118,7 @@ class FakeDrive:
             case sdo.UploadRequest(address) if address in self.refuses:
                 answer = sdo.encode_abort(address, self.refuses[address])
             case sdo.UploadRequest(address):
-                now = {at.STATUSWORD: self._status(), at.POSITION_ACTUAL: self._counter()}
+                now = {od.STATUSWORD: self._status(), od.POSITION_ACTUAL: self._counter()}
                 raw = now.get(address) or self.memory.get(address)
                 if raw is None:
                     answer = sdo.encode_abort(address, AbortCode.NO_OBJECT)
@@ -124,9 +130,9 @@ class FakeDrive:
                 else:
                     self.written.append((address, raw))
                     self.memory[address] = bytes(len(raw)) if address in self.forgets else raw
-                    if address == at.MODE:
-                        self.memory[at.MODE_DISPLAY] = self.memory[at.MODE]
-                    if address == at.CONTROLWORD:
+                    if address == od.MODE:
+                        self.memory[od.MODE_DISPLAY] = self.memory[od.MODE]
+                    if address == od.CONTROLWORD:
                         self._obey(int.from_bytes(raw, "little"))
                     answer = sdo.encode_download_response(address)
         return [] if answer is None else [(0x580 + self.axis.epos2.node, answer)]
@@ -150,7 +156,7 @@ class FakeDrive:
         edge = word & ~self._word & ControlwordBit.NEW_SETPOINT
         self._word = word
         if edge and self._homes and self.state is PowerState.OPERATION_ENABLED:
-            assert self.memory[at.HOMING_METHOD] == ACTUAL_POSITION, "by another method it would move"
+            assert self.memory[od.HOMING_METHOD] == ACTUAL_POSITION, "by another method it would move"
             self.position = float(int.from_bytes(self.memory[at.HOME_POSITION], "little", signed=True))
             self.referenced = self.attained = True
         if self.state in self.stuck_in:
@@ -175,4 +181,4 @@ class FakeDrive:
 
     @property
     def _homes(self) -> bool:
-        return self.memory.get(at.MODE) == HOMING
+        return self.memory.get(od.MODE) == HOMING

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.cia402 import PowerState
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.bridge.bench import ACCEPTED, ARM, DENIED, RPM_AT_03, TEMPORARILY_REJECTED, driving
 
 if TYPE_CHECKING:
@@ -316,6 +316,6 @@ def test_a_drive_that_restarted_is_set_up_again_when_armed(armed: "Bench") -> No
     armed.runs(0.5)
     assert armed.arms() == TEMPORARILY_REJECTED
     armed.runs(1)
-    assert armed.drives["right"].memory[at.CONSUMER_HEARTBEAT_1] == bytes.fromhex("c8006400")
+    assert armed.drives["right"].memory[od.CONSUMER_HEARTBEAT_1] == bytes.fromhex("c8006400")
     assert armed.drives["right"].state is PowerState.OPERATION_ENABLED
     assert armed.arms() == ACCEPTED

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.drivers.epos2.scale import Scale
 from firmware_bridge.motion.scissor import screw_from_height
 from firmware_bridge.robot import AnyRobot
@@ -14,7 +16,6 @@ from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.bridge.bench import ACCEPTED, ARM, RPM_AT_03, driving
 
@@ -161,7 +162,7 @@ def test_the_orderly_end_stops_disables_and_leaves(armed: "Bench") -> None:
     assert words[-2:] == [0x0006, 0x0000]
     for drive in armed.drives.values():
         assert drive.state is PowerState.SWITCH_ON_DISABLED
-        assert drive.memory[at.CONSUMER_HEARTBEAT_1] == bytes(4)
+        assert drive.memory[od.CONSUMER_HEARTBEAT_1] == bytes(4)
     assert [payload for _, payload in armed.sent(0x000, begin)] == [f"80 0{node}" for node in (1, 2, 3, 4)]
 
 

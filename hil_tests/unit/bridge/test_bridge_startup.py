@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.abort import AbortCode
-from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 
 if TYPE_CHECKING:
     from hil_tests.unit.bridge.bench import Bench
@@ -110,12 +111,12 @@ def test_the_heartbeat_comes_every_50_ms_once_it_has_listened(started: "Bench") 
 
 def test_limits_and_modes_reach_the_drive(started: "Bench") -> None:
     steer, left = started.drives["steer"].memory, started.drives["left"].memory
-    assert left[at.MODE] == b"\x03"
-    assert steer[at.MODE] == b"\x01"
+    assert left[od.MODE] == b"\x03"
+    assert steer[od.MODE] == b"\x01"
     assert left[at.OUTPUT_CURRENT_LIMIT] == (20_000).to_bytes(2, "little")
-    assert left[at.QUICK_STOP_DECELERATION] == (5_400).to_bytes(4, "little")
-    low = int.from_bytes(steer[at.MIN_POSITION_LIMIT], "little", signed=True)
-    high = int.from_bytes(steer[at.MAX_POSITION_LIMIT], "little", signed=True)
+    assert left[od.QUICK_STOP_DECELERATION] == (5_400).to_bytes(4, "little")
+    low = int.from_bytes(steer[od.MIN_POSITION_LIMIT], "little", signed=True)
+    high = int.from_bytes(steer[od.MAX_POSITION_LIMIT], "little", signed=True)
     # 60 degrees are 39.97 mm of rack, 2.665 rad of the pinion, 134.9 kqc; 4000 qc following error beyond.
     assert high == -low == pytest.approx(134_860 + 4_000, abs=100)
 
@@ -128,11 +129,11 @@ def test_limits_and_modes_reach_the_drive(started: "Bench") -> None:
             "no answer to SDO upload 0x1000 within 2000 ms (expected device type 0x00020192)",
         ),
         (
-            lambda drive: drive.memory.__setitem__(at.VENDOR_ID, bytes.fromhex("92010000")),
+            lambda drive: drive.memory.__setitem__(od.VENDOR_ID, bytes.fromhex("92010000")),
             "SDO upload 0x1018:01 gave 0x00000192 (expected vendor 0x000000FB)",
         ),
         (
-            lambda drive: drive.memory.__setitem__(at.PRODUCT_CODE, bytes.fromhex("00002262")),
+            lambda drive: drive.memory.__setitem__(od.PRODUCT_CODE, bytes.fromhex("00002262")),
             "SDO upload 0x1018:02 gave 0x62220000 (expected product code 0x64200000)",
         ),
         (
@@ -143,11 +144,11 @@ def test_limits_and_modes_reach_the_drive(started: "Bench") -> None:
             ),
         ),
         (
-            lambda drive: drive.forgets.add(at.CONSUMER_HEARTBEAT_1),
+            lambda drive: drive.forgets.add(od.CONSUMER_HEARTBEAT_1),
             "SDO upload 0x1016:01 gave 0x00000000 (expected heartbeat consumer 0x006400C8)",
         ),
         (
-            lambda drive: drive.forgets.add(at.PROFILE_DECELERATION),
+            lambda drive: drive.forgets.add(od.PROFILE_DECELERATION),
             "SDO upload 0x6084 gave 0x00000000 (expected profile deceleration 0x0000C350)",
         ),
         (
@@ -203,7 +204,7 @@ def test_a_drive_that_still_has_power_is_stopped_first(bench: "Bench") -> None:
     drive = bench.drives["left"]
     drive.state = PowerState.OPERATION_ENABLED
     bench.starts()
-    words = [raw.hex(" ") for address, raw in drive.written if address == at.CONTROLWORD]
+    words = [raw.hex(" ") for address, raw in drive.written if address == od.CONTROLWORD]
     assert words == ["0b 00", "00 00"]
 
 
@@ -217,7 +218,7 @@ def test_a_drive_that_does_not_stop_turning_is_named(bench: "Bench") -> None:
     )
     bench.runs(2)
     assert drive.state is PowerState.SWITCH_ON_DISABLED, "it was found with power, and is not left with it"
-    assert drive.memory[at.CONSUMER_HEARTBEAT_1] == bytes(4), "so its watch may end"
+    assert drive.memory[od.CONSUMER_HEARTBEAT_1] == bytes(4), "so its watch may end"
 
 
 def test_a_fault_from_before_is_reset(bench: "Bench") -> None:

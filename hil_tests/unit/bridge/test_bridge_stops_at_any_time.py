@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from firmware_bridge.bridge import Phase
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.drivers.driver import Task
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.cia402 import PowerState
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.bridge.bench import ACCEPTED, ARM, DENIED, RPM_AT_03, TEMPORARILY_REJECTED, driving
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def test_a_forced_disarm_does_not_end_the_way_on_which_the_power_goes(armed: "Be
     assert armed.commands(*FORCED_DISARM) == ACCEPTED
     armed.runs(0.5)
     assert armed.bridge.finished
-    assert {drive.memory[at.CONSUMER_HEARTBEAT_1] for drive in armed.drives.values()} == {bytes(4)}
+    assert {drive.memory[od.CONSUMER_HEARTBEAT_1] for drive in armed.drives.values()} == {bytes(4)}
 
 
 def test_a_stop_is_not_cleared_before_the_drives_are_set_up(bench: "Bench") -> None:

@@ -6,12 +6,14 @@ from typing import Final
 import pytest
 
 from firmware_bridge.bridge import Bridge
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import ControlwordBit, PowerState
 from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.robot import Axis
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import SECOND, Nanoseconds
-from firmware_bridge.wire.cia402 import ControlwordBit, PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.scenarios.homed import LIFT as FILE
 from hil_tests.scenarios.homed import STEER as STEERS
@@ -81,7 +83,7 @@ class Seeking(FakeDrive):
     def _obey(self, word: int) -> None:
         edge = word & ~self._word & ControlwordBit.NEW_SETPOINT
         starts = edge and self._homes and self.state is PowerState.OPERATION_ENABLED
-        if starts and self.memory[at.HOMING_METHOD] != ACTUAL_POSITION:
+        if starts and self.memory[od.HOMING_METHOD] != ACTUAL_POSITION:
             self.seeking, self.referenced, self.attained, self.error = True, False, False, False
             self._began_at, self._word = None, word
         elif not word & ControlwordBit.NEW_SETPOINT or word & ControlwordBit.HALT:
@@ -91,7 +93,7 @@ class Seeking(FakeDrive):
     def _move(self, now: Nanoseconds) -> None:
         if self.seeking:
             self._began_at = now if self._began_at is None else self._began_at
-            turns = int.from_bytes(self.memory[at.HOMING_SPEED_SWITCH], "little") / 60.0 * self.rushes
+            turns = int.from_bytes(self.memory[od.HOMING_SPEED_SWITCH], "little") / 60.0 * self.rushes
             elapsed = (now - self._moved_at) / SECOND
             self.position -= turns * elapsed * self.axis.epos2.quadcounts_per_turn
             if now >= self._began_at + self.seeks_for:
@@ -246,7 +248,7 @@ def test_one_that_was_stopped_is_set_up_again_and_homed_by_the_next_order(starte
     assert started.commands(STANDS, LIFT, NAN) == TEMPORARILY_REJECTED
     assert "zero: enabling node 4 (scissor lift)" in started.reported()
     started.runs(1.0)
-    assert drive.memory[at.MODE] == b"\x01"
+    assert drive.memory[od.MODE] == b"\x01"
     assert started.commands(STANDS, LIFT, NAN) == ACCEPTED
     started.runs(0.1)
     assert not active(started, "not homed: lift")
@@ -307,20 +309,20 @@ def test_one_that_runs_faster_loses_its_power(started: Bench) -> None:
 @pytest.mark.parametrize(
     ("address", "lies"),
     [
-        (at.HOMING_METHOD, b"\xfd"),
-        (at.HOMING_SPEED_SWITCH, (9999).to_bytes(4, "little")),
-        (at.HOME_OFFSET, bytes(4)),
+        (od.HOMING_METHOD, b"\xfd"),
+        (od.HOMING_SPEED_SWITCH, (9999).to_bytes(4, "little")),
+        (od.HOME_OFFSET, bytes(4)),
         (at.HOMING_CURRENT, bytes(2)),
-        (at.MODE, b"\x01"),
+        (od.MODE, b"\x01"),
     ],
 )
 def test_a_drive_that_reads_back_something_else_is_never_started(
-    started: Bench, address: at.Address, lies: bytes
+    started: Bench, address: Address, lies: bytes
 ) -> None:
     drive = started.drives["lift"]
 
-    class Liar(dict[at.Address, bytes]):
-        def __setitem__(self, key: at.Address, value: bytes) -> None:
+    class Liar(dict[Address, bytes]):
+        def __setitem__(self, key: Address, value: bytes) -> None:
             super().__setitem__(key, lies if key == address else value)
 
     drive.memory = Liar(drive.memory)

@@ -7,12 +7,14 @@ import pytest
 
 from firmware_bridge import robot_types
 from firmware_bridge.bridge import Bridge
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.modes import number_of_own
-from firmware_bridge.wire.abort import AbortCode
-from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.bridge.bench import ACCEPTED, DENIED, LIFT, STANDS, STEER, TEMPORARILY_REJECTED, driving
 
@@ -196,17 +198,17 @@ def test_a_drive_without_power_is_enabled_first(started: "Bench") -> None:
 @pytest.mark.parametrize(
     ("address", "how", "states"),
     [
-        (at.HOMING_METHOD, "refuses", "0x6098"),
-        (at.HOMING_METHOD, "forgets", "0x6098"),
+        (od.HOMING_METHOD, "refuses", "0x6098"),
+        (od.HOMING_METHOD, "forgets", "0x6098"),
         (at.HOME_POSITION, "refuses", "0x2081"),
         (at.HOME_POSITION, "forgets", "0x2081"),
-        (at.MODE, "refuses", "0x6060"),
-        (at.MODE, "forgets", "0x6061"),
-        (at.MODE_DISPLAY, "refuses", "0x6061"),
+        (od.MODE, "refuses", "0x6060"),
+        (od.MODE, "forgets", "0x6061"),
+        (od.MODE_DISPLAY, "refuses", "0x6061"),
     ],
 )
 def test_a_drive_that_does_not_take_it_is_never_reported_to_home(
-    started: "Bench", address: at.Address, how: str, states: str
+    started: "Bench", address: Address, how: str, states: str
 ) -> None:
     drive = started.drives["steer"]
     drive.referenced = False
@@ -256,7 +258,7 @@ def test_a_stop_in_the_middle_leaves_it_lost_and_the_drive_is_set_up_again(
         started.runs(0.3)
     assert started.arms() == ACCEPTED
     started.runs(0.2)
-    assert drive.memory[at.MODE] == b"\x01"
+    assert drive.memory[od.MODE] == b"\x01"
     assert started.bridge.seen.body.lift_m == pytest.approx(0.1, abs=1e-5)
 
 

@@ -11,8 +11,8 @@ import pytest
 import serial
 from typer.testing import CliRunner
 
+from firmware_bridge.canopen.sdo_client import SdoClient
 from firmware_bridge.cli import program
-from firmware_bridge.drivers.sdo_client import SdoClient
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.maxon.frame import Generation

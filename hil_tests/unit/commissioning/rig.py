@@ -8,13 +8,13 @@ from emulators.servo.motor import SUPPLY_MV
 from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire, SerialWire, usb_line
 from emulators.world import World
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.drivers.commissioning.can_access import CanAccess
 from firmware_bridge.drivers.commissioning.client import Ask, JobClient, Script, need
 from firmware_bridge.drivers.commissioning.job import Job, Outcome
 from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon.frame import Generation
 
 NEAR = 1

@@ -4,12 +4,12 @@ import re
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import Mode, PowerState, Status
 from firmware_bridge.drivers.commissioning.can_access import CanAccess
 from firmware_bridge.drivers.commissioning.next_step import BY_EDGE, BY_MODE, BY_STATE, next_step
 from firmware_bridge.drivers.commissioning.overview import Overview
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.cia402 import Mode, PowerState, Status
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.commissioning.rig import NEAR, Rig
 from hil_tests.unit.commissioning.test_state_and_network import TO, brought, power, written
 
@@ -29,7 +29,7 @@ def followed(rig: Rig) -> str:
     text = suggested(rig)
     word = re.search(r"0x([0-9A-F]{4}) to 0x6040", text)
     assert word is not None, text
-    rig.does(CanAccess(NEAR), written(at.CONTROLWORD, int(word[1], 16), 2))
+    rig.does(CanAccess(NEAR), written(od.CONTROLWORD, int(word[1], 16), 2))
     rig.waits(50 * MILLISECOND)
     return text
 
@@ -46,16 +46,16 @@ def test_step_by_step_the_drive_is_enabled(begin: PowerState) -> None:
 @pytest.mark.parametrize("enabled_by", [0x000F, 0x001F], ids=["bit 4 down", "bit 4 set before enabling"])
 def test_step_by_step_a_position_move_begins(enabled_by: int) -> None:
     rig = brought(Rig(), PowerState.SWITCHED_ON)
-    rig.does(CanAccess(NEAR), written(at.MODE, Mode.PROFILE_POSITION, 1))
-    rig.does(CanAccess(NEAR), written(at.CONTROLWORD, enabled_by, 2))
+    rig.does(CanAccess(NEAR), written(od.MODE, Mode.PROFILE_POSITION, 1))
+    rig.does(CanAccess(NEAR), written(od.CONTROLWORD, enabled_by, 2))
     rig.waits(50 * MILLISECOND)
     if enabled_by == 0x001F:
         # The drive takes a set-point that is commanded while it enables; bit 4 has to fall then.
         assert "bit 4" in followed(rig)
-    rig.does(CanAccess(NEAR), written(at.TARGET_POSITION, TARGET, 4))
+    rig.does(CanAccess(NEAR), written(od.TARGET_POSITION, TARGET, 4))
     assert followed(rig).endswith("bit 4 needs a 0 -> 1 change")
     rig.waits(200 * MILLISECOND)
-    status = rig.value(NEAR, at.STATUSWORD)
+    status = rig.value(NEAR, od.STATUSWORD)
     assert isinstance(status, int)
     assert status & Status.SETPOINT_ACKNOWLEDGED
     assert "has to fall before the next one" in suggested(rig)

@@ -2,14 +2,14 @@
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.drivers.commissioning.client import JobClient
 from firmware_bridge.drivers.commissioning.overview import Overview
 from firmware_bridge.drivers.commissioning.power import PowerCommand, Wanted
 from firmware_bridge.drivers.commissioning.reading import Reading
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from hil_tests.unit.commissioning.rig import WAYS, Way, rig_for
 
 
@@ -18,7 +18,7 @@ from hil_tests.unit.commissioning.rig import WAYS, Way, rig_for
 @pytest.mark.parametrize("after", [0, 1, 3, 8, 20, 60])
 def test_jobs_that_were_taken_back_go_on_as_they_went(way: Way, after: int) -> None:
     rig = rig_for(way)
-    reading, overview = Reading([at.DEVICE_NAME, Address(0x2004), at.STATUSWORD]), Overview(alone=False)
+    reading, overview = Reading([od.DEVICE_NAME, Address(0x2004), od.STATUSWORD]), Overview(alone=False)
     script = (*reading.once(), *PowerCommand(Wanted.ENABLE).script(), *overview.script())
     client = JobClient(way.link(), script)
     rig.world.attach("client", client, {CAN: rig.bus} if way.generation is None else {SERIAL: rig.line})
@@ -32,4 +32,4 @@ def test_jobs_that_were_taken_back_go_on_as_they_went(way: Way, after: int) -> N
         ends.append((rig.world.trace_sha256, dict(reading.found), overview.state, overview.mode))
         rig.world.restore(kept)
     assert ends[0] == ends[1]
-    assert ends[0][1][at.DEVICE_NAME] == b"EPOS2"
+    assert ends[0][1][od.DEVICE_NAME] == b"EPOS2"

@@ -5,6 +5,11 @@ from collections.abc import Mapping
 import pytest
 
 from emulators.epos2.objects.catalogue import PROFILES
+from firmware_bridge.canopen import cia301, sdo
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.drivers.commissioning.can_access import CanAccess
 from firmware_bridge.drivers.commissioning.client import Ask, JobClient, Script, need
 from firmware_bridge.drivers.commissioning.job import SilentError, WriteJob
@@ -14,22 +19,17 @@ from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire import canopen, sdo
-from firmware_bridge.wire.canopen import NmtCommand, NmtState
-from firmware_bridge.wire.cia402 import PowerState
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.hardware import type_of
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.commissioning.rig import FAR, NEAR, Rig
 
 FOREIGN_NODE = 5
 OBJECTS = {
-    at.DEVICE_TYPE: (0x0003_0191).to_bytes(4, "little"),
-    at.VENDOR_ID: (0x1234).to_bytes(4, "little"),
-    at.PRODUCT_CODE: (0x6420_0000).to_bytes(4, "little"),
-    at.REVISION: (0x0001_0002).to_bytes(4, "little"),
-    at.DEVICE_NAME: b"IO",
+    od.DEVICE_TYPE: (0x0003_0191).to_bytes(4, "little"),
+    od.VENDOR_ID: (0x1234).to_bytes(4, "little"),
+    od.PRODUCT_CODE: (0x6420_0000).to_bytes(4, "little"),
+    od.REVISION: (0x0001_0002).to_bytes(4, "little"),
+    od.DEVICE_NAME: b"IO",
 }
 """Inputs and outputs of another maker, which happens to have a product code that maxon has, too."""
 
@@ -43,7 +43,7 @@ class ForeignNode:
 
     def receive(self, packet: Packet, _now: Nanoseconds) -> Reaction:
         request = sdo.decode_request(packet.payload)
-        if packet.address != canopen.SDO_REQUEST + FOREIGN_NODE or not isinstance(request, sdo.UploadRequest):
+        if packet.address != cia301.SDO_REQUEST + FOREIGN_NODE or not isinstance(request, sdo.UploadRequest):
             return Reaction()
         raw = self._objects.get(request.address)
         if raw is None and not self._refuses:
@@ -53,7 +53,7 @@ class ForeignNode:
             if raw is None
             else sdo.encode_upload_response(request.address, raw)
         )
-        return Reaction((Packet(CAN, canopen.SDO_RESPONSE + FOREIGN_NODE, answer),))
+        return Reaction((Packet(CAN, cia301.SDO_RESPONSE + FOREIGN_NODE, answer),))
 
     def wake(self, _now: Nanoseconds) -> Reaction:
         return Reaction()
@@ -94,7 +94,7 @@ def test_a_bus_is_requested_from_1_to_127_and_only_read() -> None:
     reading = (sdo.UploadRequest, sdo.UploadSegmentRequest, sdo.Abort)
     assert len(requested) > 127
     for packet in requested:
-        assert packet.address & ~canopen.NODE_MASK == canopen.SDO_REQUEST
+        assert packet.address & ~cia301.NODE_MASK == cia301.SDO_REQUEST
         assert isinstance(sdo.decode_request(packet.payload), reading)
     for node in (NEAR, FAR):
         drive = found[node]
@@ -114,24 +114,24 @@ def test_a_foreign_node_is_distinguished_from_a_drive_and_not_requested_what_onl
         None,
         (),
     )
-    assert (foreign_node.value(at.DEVICE_NAME), foreign_node.value(at.VENDOR_ID)) == ("IO", 0x1234)
-    assert foreign_node.value(at.SERIAL_NUMBER) is None, "it has refused that, and is there all the same"
-    assert not {SOFTWARE, SERIAL_NUMBER, at.STATUSWORD} & set(foreign_node.outcomes)
+    assert (foreign_node.value(od.DEVICE_NAME), foreign_node.value(od.VENDOR_ID)) == ("IO", 0x1234)
+    assert foreign_node.value(od.SERIAL_NUMBER) is None, "it has refused that, and is there all the same"
+    assert not {SOFTWARE, SERIAL_NUMBER, od.STATUSWORD} & set(foreign_node.outcomes)
 
 
 def test_a_node_that_falls_silent_under_way_is_listed_with_what_it_has_stated() -> None:
     rig = Rig()
-    foreign_node = ForeignNode({at.DEVICE_TYPE: OBJECTS[at.DEVICE_TYPE]}, refuses=False)
+    foreign_node = ForeignNode({od.DEVICE_TYPE: OBJECTS[od.DEVICE_TYPE]}, refuses=False)
     rig.world.attach("foreign", foreign_node, {CAN: rig.bus})
     scan, found = on_the_bus(rig, range(1, 10))
-    assert set(found[FOREIGN_NODE].outcomes) == {at.DEVICE_TYPE}
+    assert set(found[FOREIGN_NODE].outcomes) == {od.DEVICE_TYPE}
     assert set(found) == {NEAR, FAR, FOREIGN_NODE}
     assert FOREIGN_NODE not in scan.silent
 
 
 def test_a_stopped_drive_is_received_though_it_does_not_answer() -> None:
     rig = Rig()
-    rig.does(CanAccess(FAR), (Ask(WriteJob(at.PRODUCER_HEARTBEAT, b"\x64\0"), need(lambda _raw: ())),))
+    rig.does(CanAccess(FAR), (Ask(WriteJob(od.PRODUCER_HEARTBEAT, b"\x64\0"), need(lambda _raw: ())),))
     rig.does(CanAccess(NEAR), NetworkCommand(NmtCommand.START, NEAR).script())
     rig.does(CanAccess(FAR), NetworkCommand(NmtCommand.STOP, FAR).script())
     scan, found = on_the_bus(rig, range(1, 4), listen=200 * MILLISECOND)

@@ -2,6 +2,10 @@
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
+from firmware_bridge.canopen.cia402 import Mode, PowerState, state_of
 from firmware_bridge.drivers.commissioning.can_access import CanAccess
 from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Script, need
 from firmware_bridge.drivers.commissioning.job import SilentError, WriteJob
@@ -12,10 +16,6 @@ from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.canopen import NmtCommand, NmtState
-from firmware_bridge.wire.cia402 import Mode, PowerState, state_of
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.commissioning.rig import FAR, NEAR, OWN_LINE, WAYS, Rig, Way, rig_for
 
@@ -33,7 +33,7 @@ TO: dict[PowerState, tuple[int, ...]] = {
 
 
 def power(rig: Rig, node: int = NEAR) -> PowerState | None:
-    word = rig.value(node, at.STATUSWORD)
+    word = rig.value(node, od.STATUSWORD)
     assert isinstance(word, int)
     return state_of(word)
 
@@ -44,7 +44,7 @@ def written(address: Address, value: int, size: int) -> Script:
 
 def brought(rig: Rig, state: PowerState) -> Rig:
     for word in TO[state]:
-        rig.does(CanAccess(NEAR), written(at.CONTROLWORD, word, 2))
+        rig.does(CanAccess(NEAR), written(od.CONTROLWORD, word, 2))
         rig.waits(50 * MILLISECOND)
     assert power(rig) is state
     return rig
@@ -94,17 +94,17 @@ def test_what_stops_is_written_before_anything_is_read() -> None:
         (first, *_) = PowerCommand(wanted).script()
         assert isinstance(first, Ask)
         assert isinstance(first.job, WriteJob)
-        assert first.job.address == at.CONTROLWORD
+        assert first.job.address == od.CONTROLWORD
 
 
 def test_enabling_starts_no_profile_velocity_and_a_quick_stop_brings_a_turning_motor_to_rest() -> None:
     rig = Rig()
-    for address, value, size in ((at.MODE, Mode.PROFILE_VELOCITY, 1), (at.TARGET_VELOCITY, 500, 4)):
+    for address, value, size in ((od.MODE, Mode.PROFILE_VELOCITY, 1), (od.TARGET_VELOCITY, 500, 4)):
         rig.does(CanAccess(NEAR), written(address, value, size))
     rig.does(CanAccess(NEAR), PowerCommand(W.ENABLE).script())
     rig.waits(SECOND)
     assert abs(rig.bank.axes[0].position) < 5, "halt is set"
-    rig.does(CanAccess(NEAR), written(at.CONTROLWORD, 0x000F, 2))
+    rig.does(CanAccess(NEAR), written(od.CONTROLWORD, 0x000F, 2))
     rig.waits(SECOND)
     assert rig.bank.axes[0].position > 5_000, "until someone takes it away"
     rig.does(CanAccess(NEAR), PowerCommand(W.QUICK_STOP).script())

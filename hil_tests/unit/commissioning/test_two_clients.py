@@ -2,6 +2,9 @@
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import PowerState, state_of
 from firmware_bridge.drivers.commissioning.can_access import CanAccess
 from firmware_bridge.drivers.commissioning.client import Ask, JobClient, Script, need
 from firmware_bridge.drivers.commissioning.job import ReadJob, WriteJob
@@ -10,9 +13,6 @@ from firmware_bridge.drivers.commissioning.reading import Reading
 from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.cia402 import PowerState, state_of
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.commissioning.rig import NEAR, Rig
 
@@ -82,11 +82,11 @@ def test_both_may_read_by_segments_at_once(generation: Generation) -> None:
     def again(reading: Reading, rounds: int) -> Script:
         return tuple(step for _ in range(rounds) for step in reading.once())
 
-    can, line = Reading([at.DEVICE_NAME, Address(0x2004)]), Reading([Address(0x2004), at.DEVICE_NAME])
+    can, line = Reading([od.DEVICE_NAME, Address(0x2004)]), Reading([Address(0x2004), od.DEVICE_NAME])
     rig, _ = together(generation, again(can, 20), again(line, 20))
     serial_number = rig.value(NEAR, Address(0x2004))
     for reading in (can, line):
-        assert reading.value(at.DEVICE_NAME) == "EPOS2"
+        assert reading.value(od.DEVICE_NAME) == "EPOS2"
         assert reading.value(Address(0x2004)) == serial_number
 
 
@@ -101,6 +101,6 @@ def test_what_one_enables_the_other_stops(generation: Generation) -> None:
         (CanAccess(NEAR), Wanted.QUICK_STOP, PowerState.QUICK_STOP_ACTIVE),
     ):
         rig.does(link, PowerCommand(wanted).script())
-        word = rig.value(NEAR, at.STATUSWORD)
+        word = rig.value(NEAR, od.STATUSWORD)
         assert isinstance(word, int)
         assert state_of(word) is state

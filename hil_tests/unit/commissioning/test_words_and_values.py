@@ -6,17 +6,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import Mode
+from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.drivers.commissioning.client import CommissioningError
 from firmware_bridge.drivers.commissioning.motion import why_it_may_move
 from firmware_bridge.drivers.commissioning.names import BY_NAME, dashed, find, squashed
 from firmware_bridge.drivers.commissioning.values import LONGEST_WRITE, decode, parse
 from firmware_bridge.drivers.commissioning.words import words
-from firmware_bridge.wire.cia402 import Mode
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 from firmware_bridge.wire.epos2.objects import OBJECTS
-from firmware_bridge.wire.epos2.rows import ObjectRow
 from hil_tests.lanes import examples
 from hil_tests.rows import every
 
@@ -49,8 +50,8 @@ def test_every_address_is_read_as_it_is_printed(row: ObjectRow) -> None:
         ("0x202E:0A", Address(0x202E, 10)),
         ("0x5555", Address(0x5555)),
         ("0x1:255", Address(1, 255)),
-        ("statusword", at.STATUSWORD),
-        ("profile velocity", at.PROFILE_VELOCITY),
+        ("statusword", od.STATUSWORD),
+        ("profile velocity", od.PROFILE_VELOCITY),
     ],
 )
 def test_objects_by_number_and_by_name(text: str, address: Address) -> None:
@@ -112,22 +113,22 @@ def test_what_the_type_does_not_hold_is_refused(row: ObjectRow, beyond: int) -> 
 @pytest.mark.parametrize(
     ("address", "text", "raw"),
     [
-        (at.PROFILE_VELOCITY, "500rpm", "f4010000"),
-        (at.PROFILE_VELOCITY, "0x1F4", "f4010000"),
-        (at.TARGET_VELOCITY, "-20 rpm", "ecffffff"),
-        (at.TARGET_VELOCITY, "+20", "14000000"),
-        (at.TARGET_VELOCITY, "0xFFFFFFEC", "ecffffff"),
+        (od.PROFILE_VELOCITY, "500rpm", "f4010000"),
+        (od.PROFILE_VELOCITY, "0x1F4", "f4010000"),
+        (od.TARGET_VELOCITY, "-20 rpm", "ecffffff"),
+        (od.TARGET_VELOCITY, "+20", "14000000"),
+        (od.TARGET_VELOCITY, "0xFFFFFFEC", "ecffffff"),
         (at.CONTINUOUS_CURRENT_LIMIT, "2.5A", "c409"),
         (at.CONTINUOUS_CURRENT_LIMIT, "2500mA", "c409"),
         (at.THERMAL_TIME_CONSTANT, "4s", "2800"),
         (at.THERMAL_TIME_CONSTANT, "400ms", "0400"),
-        (at.MODE, "profile velocity", "03"),
-        (at.MODE, "Profile-Velocity", "03"),
-        (at.MODE, "-1", "ff"),
-        (at.MODE, "current", "fd"),
+        (od.MODE, "profile velocity", "03"),
+        (od.MODE, "Profile-Velocity", "03"),
+        (od.MODE, "-1", "ff"),
+        (od.MODE, "current", "fd"),
         (Address(0x1010, 1), "save", b"save".hex()),
         (Address(0x1011, 1), "load", b"load".hex()),
-        (at.CONTROLWORD, "0x10F", "0f01"),
+        (od.CONTROLWORD, "0x10F", "0f01"),
         (Address(0x5555), "-1", "ffffffff"),
     ],
 )
@@ -138,21 +139,21 @@ def test_values_as_people_write_them(address: Address, text: str, raw: str) -> N
 @pytest.mark.parametrize(
     ("address", "text", "reported"),
     [
-        (at.PROFILE_VELOCITY, "500mA", r"wrong unit: 0x6081 Profile Velocity is in rpm"),
+        (od.PROFILE_VELOCITY, "500mA", r"wrong unit: 0x6081 Profile Velocity is in rpm"),
         (at.CONTINUOUS_CURRENT_LIMIT, "1rpm", "is in mA, A"),
-        (at.CONTROLWORD, "5rpm", "is in no unit"),
-        (at.PROFILE_VELOCITY, "2.5", "not a whole number of rpm"),
+        (od.CONTROLWORD, "5rpm", "is in no unit"),
+        (od.PROFILE_VELOCITY, "2.5", "not a whole number of rpm"),
         (at.CONTINUOUS_CURRENT_LIMIT, "0.0001A", "not a whole number of mA"),
-        (at.PROFILE_VELOCITY, "fast", "give a number, as 500"),
-        (at.PROFILE_VELOCITY, "", "is no value"),
-        (at.PROFILE_VELOCITY, "0x", "wrong unit"),
-        (at.PROFILE_VELOCITY, "-1", "4 bytes hold 0 to 4294967295"),
-        (at.MODE, "swift", "profileposition"),
+        (od.PROFILE_VELOCITY, "fast", "give a number, as 500"),
+        (od.PROFILE_VELOCITY, "", "is no value"),
+        (od.PROFILE_VELOCITY, "0x", "wrong unit"),
+        (od.PROFILE_VELOCITY, "-1", "4 bytes hold 0 to 4294967295"),
+        (od.MODE, "swift", "profileposition"),
         (Address(0x1010, 1), "load", "one of: save"),
-        (at.CONTROLWORD, "65536", "2 bytes hold 0 to 65535"),
-        (at.CONTROLWORD, "0x10000", "does not fit"),
+        (od.CONTROLWORD, "65536", "2 bytes hold 0 to 65535"),
+        (od.CONTROLWORD, "0x10000", "does not fit"),
         (Address(0x2004), "1", "has 8 bytes; values of up to 4"),
-        (at.DEVICE_NAME, "EPOS", "no fixed length"),
+        (od.DEVICE_NAME, "EPOS", "no fixed length"),
     ],
 )
 def test_values_that_cannot_be(address: Address, text: str, reported: str) -> None:
@@ -161,38 +162,38 @@ def test_values_that_cannot_be(address: Address, text: str, reported: str) -> No
 
 
 def test_another_size_can_be_requested() -> None:
-    assert parse(at.CONTROLWORD, "6", 4).hex() == "06000000"
-    assert parse(at.CONTROLWORD, "6", 1).hex() == "06"
+    assert parse(od.CONTROLWORD, "6", 4).hex() == "06000000"
+    assert parse(od.CONTROLWORD, "6", 1).hex() == "06"
     with pytest.raises(CommissioningError, match="1 bytes hold"):
-        parse(at.CONTROLWORD, "256", 1)
+        parse(od.CONTROLWORD, "256", 1)
 
 
 @every(
     ("address", "value", "mode", "reported"),
     [
-        (at.STATUSWORD, 0x0737, None, ON + "|remote (NMT operational)|target reached"),
-        (at.STATUSWORD, 0x1137, Mode.PROFILE_POSITION, ON + "|set-point acknowledged"),
-        (at.STATUSWORD, 0x1137, Mode.PROFILE_VELOCITY, ON + "|speed is zero"),
-        (at.STATUSWORD, 0x3137, Mode.HOMING, ON + "|homing attained|homing error"),
-        (at.STATUSWORD, 0x1137, Mode.INTERPOLATED_POSITION, ON + "|interpolation active"),
-        (at.STATUSWORD, 0x1140, None, "switch on disabled|bit 12"),
-        (at.STATUSWORD, 0x2140, Mode.CURRENT, "switch on disabled|bit 13"),
-        (at.STATUSWORD, 0x8908, None, "fault|current limited (I2t)|position referenced to home"),
-        (at.STATUSWORD, 0x0042, None, "no state of the drive"),
-        (at.CONTROLWORD, 0x010F, None, "enable operation|halt"),
-        (at.CONTROLWORD, 0x007F, Mode.PROFILE_POSITION, GO + "|new set-point|change immediately|relative"),
-        (at.CONTROLWORD, 0x001F, Mode.HOMING, "enable operation|start homing"),
-        (at.CONTROLWORD, 0x0080, None, "disable voltage|fault reset"),
-        (at.CONTROLWORD, 0x0002, None, "quick stop"),
-        (at.CONTROLWORD, 0x0006, None, "shutdown"),
-        (at.ERROR_REGISTER, 0x00, None, "no error"),
-        (at.ERROR_REGISTER, 0x15, None, "generic|voltage|communication"),
-        (at.MODE_DISPLAY, -3, None, "current"),
-        (at.MODE, 99, None, "no mode of the EPOS2"),
+        (od.STATUSWORD, 0x0737, None, ON + "|remote (NMT operational)|target reached"),
+        (od.STATUSWORD, 0x1137, Mode.PROFILE_POSITION, ON + "|set-point acknowledged"),
+        (od.STATUSWORD, 0x1137, Mode.PROFILE_VELOCITY, ON + "|speed is zero"),
+        (od.STATUSWORD, 0x3137, Mode.HOMING, ON + "|homing attained|homing error"),
+        (od.STATUSWORD, 0x1137, Mode.INTERPOLATED_POSITION, ON + "|interpolation active"),
+        (od.STATUSWORD, 0x1140, None, "switch on disabled|bit 12"),
+        (od.STATUSWORD, 0x2140, Mode.CURRENT, "switch on disabled|bit 13"),
+        (od.STATUSWORD, 0x8908, None, "fault|current limited (I2t)|position referenced to home"),
+        (od.STATUSWORD, 0x0042, None, "no state of the drive"),
+        (od.CONTROLWORD, 0x010F, None, "enable operation|halt"),
+        (od.CONTROLWORD, 0x007F, Mode.PROFILE_POSITION, GO + "|new set-point|change immediately|relative"),
+        (od.CONTROLWORD, 0x001F, Mode.HOMING, "enable operation|start homing"),
+        (od.CONTROLWORD, 0x0080, None, "disable voltage|fault reset"),
+        (od.CONTROLWORD, 0x0002, None, "quick stop"),
+        (od.CONTROLWORD, 0x0006, None, "shutdown"),
+        (od.ERROR_REGISTER, 0x00, None, "no error"),
+        (od.ERROR_REGISTER, 0x15, None, "generic|voltage|communication"),
+        (od.MODE_DISPLAY, -3, None, "current"),
+        (od.MODE, 99, None, "no mode of the EPOS2"),
         (Address(0x1003, 1), 0x3220, None, "0x3220|under-voltage"),
         (Address(0x1003, 5), 0, None, "no error"),
         (Address(0x1003, 2), 0x1234, None, "0x1234|unknown error"),
-        (at.PROFILE_VELOCITY, 7, None, ""),
+        (od.PROFILE_VELOCITY, 7, None, ""),
     ],
 )  # fmt: skip
 def test_bits_in_words(address: Address, value: int, mode: Mode | None, reported: str) -> None:
@@ -200,7 +201,7 @@ def test_bits_in_words(address: Address, value: int, mode: Mode | None, reported
 
 
 def test_the_supported_modes_are_those_of_the_drive() -> None:
-    assert set(words(at.SUPPORTED_MODES, 0x003F0065)) == {
+    assert set(words(od.SUPPORTED_MODES, 0x003F0065)) == {
         mode.name.lower().replace("_", " ") for mode in Mode
     }
 
@@ -213,27 +214,27 @@ def test_every_emergency_in_the_history_has_its_cause(code: int) -> None:
 @every(
     ("address", "raw", "moves"),
     [
-        (at.CONTROLWORD, "0f00", True),
-        (at.CONTROLWORD, "1f00", True),
-        (at.CONTROLWORD, "0f01", True),
-        (at.CONTROLWORD, "0700", False),
-        (at.CONTROLWORD, "0600", False),
-        (at.CONTROLWORD, "0200", False),
-        (at.CONTROLWORD, "0000", False),
-        (at.CONTROLWORD, "8000", False),
-        (at.TARGET_VELOCITY, "01000000", True),
-        (at.TARGET_VELOCITY, "00000000", False),
+        (od.CONTROLWORD, "0f00", True),
+        (od.CONTROLWORD, "1f00", True),
+        (od.CONTROLWORD, "0f01", True),
+        (od.CONTROLWORD, "0700", False),
+        (od.CONTROLWORD, "0600", False),
+        (od.CONTROLWORD, "0200", False),
+        (od.CONTROLWORD, "0000", False),
+        (od.CONTROLWORD, "8000", False),
+        (od.TARGET_VELOCITY, "01000000", True),
+        (od.TARGET_VELOCITY, "00000000", False),
         (at.VELOCITY_MODE_SETTING, "00000000", False),
         (at.CURRENT_MODE_SETTING, "0000", True),
         (at.POSITION_MODE_SETTING, "00000000", True),
         (at.VELOCITY_MODE_SETTING, "01000000", True),
         (at.POSITION_MODE_SETTING, "01000000", True),
         (at.CURRENT_MODE_SETTING, "0100", True),
-        (at.MODE, "03", True),
+        (od.MODE, "03", True),
         (Address(0x2078, 1), "0000", True),
         (Address(0x207D), "0100", True),
-        (at.PROFILE_VELOCITY, "01000000", False),
-        (at.TARGET_POSITION, "01000000", False),
+        (od.PROFILE_VELOCITY, "01000000", False),
+        (od.TARGET_POSITION, "01000000", False),
         (Address(0x1010, 1), "73617665", False),
     ],
 )

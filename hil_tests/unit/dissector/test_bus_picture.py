@@ -9,6 +9,8 @@ import pytest
 from hypothesis import given
 
 from firmware_bridge import robot_types
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.dissector.bus_picture import BusPicture
 from firmware_bridge.dissector.lately import Lately
 from firmware_bridge.dissector.robot_mapping import can_links, expected_on
@@ -18,8 +20,6 @@ from firmware_bridge.recording import parse_candump
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.can import EXTENDED, INTERFRAME_BITS, REMOTE, frame_bits
 from firmware_bridge.wire.can_error import BUS_OFF, encode_report
-from firmware_bridge.wire.canopen import NmtState
-from firmware_bridge.wire.epos2.address import Address
 from hil_tests.rows import every
 
 MASTERS: Final = Path(__file__).parents[2] / "recordings" / "rars" / "canopen-master.log.xz"

@@ -18,14 +18,15 @@ from emulators.documents.object_reader import SilentNodeError, read_all
 from emulators.documents.object_table import as_json, entries
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen.object_row import Provenance
 from firmware_bridge.cli import program
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
-from firmware_bridge.wire.epos2.rows import DataType, Provenance
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
 
 
@@ -69,7 +70,7 @@ def test_canopen_reads_ranges_and_defaults(tmp_path: Path) -> None:
         row = entry.row
         assert (read[row.address].min, read[row.address].max) == (entry.low, entry.high), row.address
         individual = row.address in {
-            at.SERIAL_NUMBER,
+            od.SERIAL_NUMBER,
             Address(0x2004),
             Address(0x2FFF, 5),
             Address(0x2FFF, 6),
@@ -100,7 +101,7 @@ def test_lelys_tools_find_nothing_to_say_about_sheet_and_configuration(sheet: Pa
     tool = lely()
     assert tool is not None
     configuration = tmp_path / "node.dcf"
-    configuration.write_text(dcf(EPOS2_70_10, 3, 1_000_000, {at.DEVICE_TYPE: 0x0002_0192}), encoding="ascii")
+    configuration.write_text(dcf(EPOS2_70_10, 3, 1_000_000, {od.DEVICE_TYPE: 0x0002_0192}), encoding="ascii")
     for path in (sheet, configuration):
         done = subprocess.run([tool, "-n", "3", str(path)], capture_output=True, text=True, check=False)
         assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

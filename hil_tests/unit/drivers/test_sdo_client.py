@@ -4,7 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.drivers.sdo_client import (
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.sdo_client import (
     ATTEMPTS,
     LARGEST_UPLOAD,
     TIMEOUT,
@@ -15,25 +17,23 @@ from firmware_bridge.drivers.sdo_client import (
     Transfer,
 )
 from firmware_bridge.units import NEVER
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 
 # object, bytes written (None: read), request, answer, bytes read; with the source of the two frames.
 GOLDEN = [
     # EPOS2 Application Notes Collection, p. 11-164: device type of node 2 through a gateway.
-    (at.DEVICE_TYPE, None, "40 00 10 00 00 00 00 00", "43 00 10 00 92 01 02 00", "92 01 02 00"),
+    (od.DEVICE_TYPE, None, "40 00 10 00 00 00 00 00", "43 00 10 00 92 01 02 00", "92 01 02 00"),
     # Recorded from a maxon drive (github.com/machinekit/machinekit, issue 589): statusword 0x0737.
-    (at.STATUSWORD, None, "40 41 60 00 00 00 00 00", "4b 41 60 00 37 07 00 00", "37 07"),
+    (od.STATUSWORD, None, "40 41 60 00 00 00 00 00", "4b 41 60 00 37 07 00 00", "37 07"),
     # Frames of a CiA 301 driver used with EPOS2 drives (Pejman712/CRF, docs/Lely): heartbeats.
-    (at.CONSUMER_HEARTBEAT_1, "d0 07 01 00", "23 16 10 01 d0 07 01 00", "60 16 10 01 00 00 00 00", ""),
-    (at.PRODUCER_HEARTBEAT, "e8 03", "2b 17 10 00 e8 03 00 00", "60 17 10 00 00 00 00 00", ""),
+    (od.CONSUMER_HEARTBEAT_1, "d0 07 01 00", "23 16 10 01 d0 07 01 00", "60 16 10 01 00 00 00 00", ""),
+    (od.PRODUCER_HEARTBEAT, "e8 03", "2b 17 10 00 e8 03 00 00", "60 17 10 00 00 00 00 00", ""),
     # Request templates sent to an EPOS2 (SamsonChau, STM32): controlword, COB-ID and type of RPDO1.
-    (at.CONTROLWORD, "06 00", "2b 40 60 00 06 00 00 00", "60 40 60 00 00 00 00 00", ""),
+    (od.CONTROLWORD, "06 00", "2b 40 60 00 06 00 00 00", "60 40 60 00 00 00 00 00", ""),
     (Address(0x1400, 1), "01 02 00 00", "23 00 14 01 01 02 00 00", "60 00 14 01 00 00 00 00", ""),
     (Address(0x1400, 2), "ff", "2f 00 14 02 ff 00 00 00", "60 00 14 02 00 00 00 00", ""),
 ]
-NAME = Transfer(at.DEVICE_NAME)
-STATUS = Transfer(at.STATUSWORD)
+NAME = Transfer(od.DEVICE_NAME)
+STATUS = Transfer(od.STATUSWORD)
 ANSWER = bytes.fromhex("4b 41 60 00 37 07 00 00")
 
 
@@ -137,7 +137,7 @@ def test_an_answer_to_the_second_attempt_counts() -> None:
 @pytest.mark.parametrize("attempts", [1, ATTEMPTS, 10])
 def test_attempts_are_bounded(attempts: int) -> None:
     client = SdoClient()
-    requested = len(client.start(Transfer(at.STATUSWORD, attempts=attempts), 0))
+    requested = len(client.start(Transfer(od.STATUSWORD, attempts=attempts), 0))
     now = 0
     while client.busy:
         now = client.wake_at
@@ -179,7 +179,7 @@ def test_one_transfer_at_a_time() -> None:
 @pytest.mark.parametrize("size", [0, 5])
 def test_what_fits_no_frame_is_refused(size: int) -> None:
     with pytest.raises(ValueError, match=f"with {size} bytes; 1 to 4 are possible"):
-        SdoClient().start(Transfer(at.CONTROLWORD, bytes(size)), 0)
+        SdoClient().start(Transfer(od.CONTROLWORD, bytes(size)), 0)
 
 
 def test_a_canceled_transfer_leaves_nothing_behind() -> None:
@@ -192,7 +192,7 @@ def test_a_canceled_transfer_leaves_nothing_behind() -> None:
 
 
 @given(
-    st.sampled_from([STATUS, NAME, Transfer(at.CONTROLWORD, b"\6\0")]),
+    st.sampled_from([STATUS, NAME, Transfer(od.CONTROLWORD, b"\6\0")]),
     st.lists(st.binary(max_size=8), max_size=30),
 )
 def test_no_answers_make_it_raise_and_it_always_ends(transfer: Transfer, answers: list[bytes]) -> None:

@@ -7,17 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen.abort import AbortCode
+from firmware_bridge.canopen.cia301 import NmtCommand
+from firmware_bridge.canopen.sdo_client import Outcome, SdoRefusedError, SdoTimeoutError, Transfer
 from firmware_bridge.drivers.driver import Level, Power, Reading
 from firmware_bridge.drivers.epos2.inputs_outputs import AnalogueInput, DigitalOutputs, ObjectRequest
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
-from firmware_bridge.drivers.sdo_client import Outcome, SdoRefusedError, SdoTimeoutError, Transfer
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.abort import AbortCode
-from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import OUTPUT_STATE
 from hil_tests.unit.drivers.link_drivers_bench import HOST, Bench
@@ -172,8 +172,8 @@ def test_after_a_restart_the_outputs_come_back_with_the_set_up(bench: Bench) -> 
     bench.host.levels = {"lamp": ON, "magnet": ON}
     bench.runs(0.2)
     bench.host.repairs = False
-    reset = canopen.encode_nmt(NmtCommand.RESET_NODE, 1)
-    bench.world.attach("foreign", Once(Packet(CAN, canopen.NMT, reset)), {CAN: bench.buses[LINK]})
+    reset = cia301.encode_nmt(NmtCommand.RESET_NODE, 1)
+    bench.world.attach("foreign", Once(Packet(CAN, cia301.NMT, reset)), {CAN: bench.buses[LINK]})
     bench.runs(0.3)
     assert pins(bench, "left") == 0, "the mask is gone with the set-up"
     assert bench.feedback("left").power is Power.UNKNOWN

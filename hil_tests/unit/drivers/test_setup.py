@@ -2,20 +2,21 @@
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.drivers.epos2 import setup
 from firmware_bridge.drivers.epos2.process_data import pdos
 from firmware_bridge.robot import Axis, CommandForm, Output
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.functions import OUTPUT_MASK, OUTPUT_PINS, OUTPUT_POLARITY, OUTPUT_STATE
 from hil_tests.unit.drivers.robots import LINK, RARS, with_axis
 
 TABLE = RARS.epos2_link(LINK)
 AXES = pytest.mark.parametrize("axis", RARS.axes, ids=[axis.name for axis in RARS.axes])
 SAFETY = (
-    at.CONSUMER_HEARTBEAT_1, at.ABORT_CONNECTION_OPTION, at.FAULT_REACTION_OPTION, at.PROFILE_DECELERATION,
-    at.QUICK_STOP_DECELERATION, at.MAX_PROFILE_VELOCITY, at.OUTPUT_CURRENT_LIMIT, at.CONTINUOUS_CURRENT_LIMIT,
-    at.MAX_FOLLOWING_ERROR, at.ENCODER_PULSES, at.MODE, at.MIN_POSITION_LIMIT, at.MAX_POSITION_LIMIT,
+    od.CONSUMER_HEARTBEAT_1, od.ABORT_CONNECTION_OPTION, od.FAULT_REACTION_OPTION, od.PROFILE_DECELERATION,
+    od.QUICK_STOP_DECELERATION, od.MAX_PROFILE_VELOCITY, at.OUTPUT_CURRENT_LIMIT, at.CONTINUOUS_CURRENT_LIMIT,
+    od.MAX_FOLLOWING_ERROR, at.ENCODER_PULSES, od.MODE, od.MIN_POSITION_LIMIT, od.MAX_POSITION_LIMIT,
 )  # fmt: skip
 
 
@@ -75,13 +76,13 @@ def test_a_position_between_the_samples_has_the_inhibit_time_of_the_file() -> No
 
 
 def test_the_heartbeat_consumer_names_the_bridge_and_its_time_out() -> None:
-    (watch,) = [row for row in rows(RARS.axes[0]) if row.address == at.CONSUMER_HEARTBEAT_1]
+    (watch,) = [row for row in rows(RARS.axes[0]) if row.address == od.CONSUMER_HEARTBEAT_1]
     assert watch.value == 100 << 16 | 200
 
 
 def test_an_axis_without_travel_has_no_position_limits() -> None:
     without = setup.configuration(RARS.axes[0], TABLE)
-    assert not {at.MIN_POSITION_LIMIT, at.MAX_POSITION_LIMIT} & {row.address for row in without}
+    assert not {od.MIN_POSITION_LIMIT, od.MAX_POSITION_LIMIT} & {row.address for row in without}
 
 
 @pytest.mark.parametrize(
@@ -121,8 +122,8 @@ def test_the_position_limits_are_the_travel_and_the_following_error(direction: i
     lift = with_axis(RARS.axis("lift"), direction=direction)
     limits = {row.address: row.value for row in setup.configuration(lift, TABLE)}
     low, high = sorted((0, direction * 2_890_879))
-    assert limits[at.MIN_POSITION_LIMIT] == low - 4_000
-    assert limits[at.MAX_POSITION_LIMIT] == high + 4_000
+    assert limits[od.MIN_POSITION_LIMIT] == low - 4_000
+    assert limits[od.MAX_POSITION_LIMIT] == high + 4_000
 
 
 def output(pin: int) -> Output:

@@ -15,15 +15,15 @@ from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import MOTOR, DcMotors
 from emulators.servo.winding import set_winding
+from firmware_bridge.canopen import sdo
+from firmware_bridge.canopen.abort import AbortCode
+from firmware_bridge.canopen.cia301 import NmtState
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
-from firmware_bridge.wire import sdo
-from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE
 from firmware_bridge.wire.can_error import BUS_OFF, CONTROLLER
-from firmware_bridge.wire.canopen import NmtState
-from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from hil_tests.unit.epos2.watched_winding import WatchedWinding
 

@@ -8,11 +8,11 @@ from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile
 from emulators.epos2.objects.saved_parameters import Storage
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
+from firmware_bridge.canopen import objects as od
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.can import REMOTE
-from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
 
 NODE = 1
@@ -32,12 +32,12 @@ class QuietMotion:
     written: list[int] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.store.on_write(at.CONTROLWORD, self.written.append)
-        self.store.set(at.STATUSWORD, SWITCH_ON_DISABLED)
+        self.store.on_write(od.CONTROLWORD, self.written.append)
+        self.store.set(od.STATUSWORD, SWITCH_ON_DISABLED)
 
     def nmt_changed(self, operational: bool) -> None:  # noqa: FBT001 - as in MotionControl
         self.operational = operational
-        self.store.set(at.STATUSWORD, SWITCH_ON_DISABLED | 0x0200 * operational)
+        self.store.set(od.STATUSWORD, SWITCH_ON_DISABLED | 0x0200 * operational)
 
     def connection_lost(self) -> None:
         self.report(emergency.CONNECTION_LOST)
@@ -56,7 +56,7 @@ class QuietMotion:
 
     def reset(self) -> None:
         self.resets += 1
-        self.store.set(at.STATUSWORD, SWITCH_ON_DISABLED)
+        self.store.set(od.STATUSWORD, SWITCH_ON_DISABLED)
 
 
 class Desk:

@@ -10,13 +10,13 @@ from emulators.servo.axis import ServoAxis
 from emulators.wires import Disturbance, FaultyCanWire
 from emulators.wires.confinement import Condition
 from emulators.world import World
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR
 from firmware_bridge.wire.can_error import Loss
-from firmware_bridge.wire.cia402 import PowerState
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.world.players import Player
 
 ENABLE: Final = (
@@ -51,7 +51,7 @@ class Bench:
 
     @property
     def state(self) -> int:
-        return self.drive.store.get(at.STATUSWORD) & 0x417F
+        return self.drive.store.get(od.STATUSWORD) & 0x417F
 
 
 def frame(code: int) -> str:
@@ -72,9 +72,9 @@ def test_an_error_passive_drive_states_so_and_stops_until_communication_is_reset
     assert not bench.axis.powered
     bench.until(140)
     assert bench.state == PowerState.FAULT.value, "a fault reset alone does not reset it"
-    assert bench.drive.store.get(at.ERROR_REGISTER) == 0x10
+    assert bench.drive.store.get(od.ERROR_REGISTER) == 0x10
     bench.until(160)
-    assert bench.drive.store.get(at.ERROR_REGISTER) == 0
+    assert bench.drive.store.get(od.ERROR_REGISTER) == 0
     for payload in ("0000", "8000"):
         bench.drive.receive(Packet(CAN, 0x000, b"\x01\x01"), bench.world.now)
         bench.drive.receive(Packet(CAN, 0x201, bytes.fromhex(payload)), bench.world.now)
@@ -93,7 +93,7 @@ def test_a_drive_that_was_off_the_bus_states_so_when_it_is_back() -> None:
     assert bench.state == PowerState.FAULT.value, "it stops all the same"
     bench.until(100)
     assert bench.reported() == [frame(0x81FD)]
-    assert bench.drive.store.get(at.ERROR_HISTORY_COUNT) == 2, (
+    assert bench.drive.store.get(od.ERROR_HISTORY_COUNT) == 2, (
         "passive came first, and was lost with the rest"
     )
 
@@ -124,6 +124,6 @@ def test_a_drive_that_cannot_get_rid_of_its_frames_stops_and_keeps_it_in_its_his
     bench.until(90)
     assert bench.state == PowerState.FAULT.value
     assert bench.drive.store.get(HISTORY[0]) == 0x81FF
-    assert bench.drive.store.get(at.ERROR_HISTORY_COUNT) == 1, "reported once, not for every frame"
+    assert bench.drive.store.get(od.ERROR_HISTORY_COUNT) == 1, "reported once, not for every frame"
     bench.until(150)
     assert frame(0x81FF) not in bench.reported(), "its message was one frame too many"

@@ -5,8 +5,8 @@ import pytest
 from emulators.documents.fidelity import ledger
 from emulators.epos2.objects.choices import CHOICES, ChoiceError, chosen
 from emulators.epos2.objects.device_profile import EPOS2_70_10
+from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.abort import AbortCode
 from hil_tests.rows import every
 from hil_tests.unit.epos2.quiet_motion import powered, u32
 

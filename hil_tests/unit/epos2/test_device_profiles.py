@@ -6,7 +6,7 @@ from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import DeviceProfile
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.wire.epos2.rows import Provenance
+from firmware_bridge.canopen.object_row import Provenance
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
 
 NAMES = list(PROFILES)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from emulators.epos2.objects.device_profile import EPOS2_70_10
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.canopen import objects as od
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 from hil_tests.rows import every
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
@@ -143,7 +143,7 @@ def test_the_commands_read_that_they_work_on_command(index: int, subindex: int) 
 
 def test_load_is_refused_while_the_power_stage_is_on() -> None:
     desk = powered()
-    desk.store.set(at.STATUSWORD, 0x0137)
+    desk.store.set(od.STATUSWORD, 0x0137)
     assert desk.writes(0x1011, 1, b"load") == "08000022"
 
 

@@ -9,13 +9,13 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 
 from emulators.epos2.drive import Epos2
 from emulators.servo.axis import ServoAxis
+from firmware_bridge.canopen import sdo
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire import sdo
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE
-from firmware_bridge.wire.canopen import NmtState
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from hil_tests.lanes import examples
 

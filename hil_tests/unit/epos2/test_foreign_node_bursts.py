@@ -11,8 +11,8 @@ from hypothesis import Phase, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule, run_state_machine_as_test
 
+from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.abort import AbortCode
 from hil_tests.unit.epos2.foreign_node import NODE, RARE, ForeignNode
 
 BURST = 128

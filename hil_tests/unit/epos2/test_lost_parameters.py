@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import pytest
 
 from emulators.epos2.objects.saved_parameters import StorageError
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from hil_tests.unit.epos2.quiet_motion import Desk
 
 SAVE = "601#2310100173617665"
@@ -36,11 +36,11 @@ def test_parameters_that_are_lost_at_a_restart_are_an_internal_software_error() 
     desk.receives("601#23816000D2040000")  # 0x6081 = 1234
     desk.receives(SAVE)
     assert desk.receives("000#8101") == ["701#00"]
-    assert desk.store.get(at.PROFILE_VELOCITY) == 1234
+    assert desk.store.get(od.PROFILE_VELOCITY) == 1234
     storage.worn = True
     assert desk.receives("000#8101") == ["701#00", "081#0061200000000000"]
-    assert desk.store.get(at.PROFILE_VELOCITY) == 1000
-    assert desk.store.get(at.ERROR_REGISTER) == 0x20
+    assert desk.store.get(od.PROFILE_VELOCITY) == 1000
+    assert desk.store.get(od.ERROR_REGISTER) == 0x20
     storage.worn = False
     desk.receives(SAVE)
     assert desk.receives("000#8101") == ["701#00"]

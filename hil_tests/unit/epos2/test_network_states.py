@@ -8,9 +8,9 @@ from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.choices import CHOICES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.servo.axis import ServoAxis
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.canopen import NmtState
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.epos2.quiet_motion import Desk, operational, powered
 
 STATES = {
@@ -167,4 +167,4 @@ def test_the_time_stamp_is_latched_at_sync_and_follows_its_master() -> None:
 def test_a_drive_works_with_its_own_motion_control() -> None:
     drive = Epos2(3, ServoAxis("steer", 2000))
     assert [packet.address for packet in drive.wake(0).sent] == [0x703]
-    assert drive.store.get(at.MODE_DISPLAY) == 1
+    assert drive.store.get(od.MODE_DISPLAY) == 1

@@ -11,13 +11,14 @@ import pytest
 from emulators.epos2.canopen.pdo_settings import RECEIVE, TRANSMIT
 from emulators.epos2.control.value_ranges import VALUE_RANGES, ValueRange
 from emulators.epos2.objects.store import ObjectStore
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen.object_row import ObjectRow
+from firmware_bridge.canopen.pdo import MappingEntry
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.epos2.objects_pdo import PROCESS_OBJECTS
-from firmware_bridge.wire.epos2.rows import DataType, ObjectRow
-from firmware_bridge.wire.pdo import MappingEntry
 from hil_tests.rows import Test, every
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
 
@@ -29,10 +30,10 @@ RESTRICTED = {
     **{row.address: "PDO settings have their procedure" for row in PROCESS_OBJECTS},
     Address(0x1010, 1): "wants a signature",
     **{Address(0x1011, sub): "wants a signature" for sub in (1, 4, 5)},
-    at.ERROR_HISTORY_COUNT: "takes 0 only",
-    at.COB_ID_EMERGENCY: "wants an identifier",
-    at.CONSUMER_HEARTBEAT_1: "wants a node's number",
-    at.CONSUMER_HEARTBEAT_2: "wants a node's number",
+    od.ERROR_HISTORY_COUNT: "takes 0 only",
+    od.COB_ID_EMERGENCY: "wants an identifier",
+    od.CONSUMER_HEARTBEAT_1: "wants a node's number",
+    od.CONSUMER_HEARTBEAT_2: "wants a node's number",
 }
 NUMBERS = [row for row in OBJECTS.values() if row.type.size]
 FREE = [row for row in NUMBERS if row.access.writable and row.address not in RESTRICTED]
@@ -71,7 +72,7 @@ def test_a_row_can_be_read_as_its_access_states(row: ObjectRow) -> None:
     raw = fresh().read(row.address)
     if row.type.size:
         assert len(raw) == row.type.size
-    if row.address not in (at.STATUSWORD, at.ERROR_REGISTER):
+    if row.address not in (od.STATUSWORD, od.ERROR_REGISTER):
         default = fresh().default(row.address)
         assert raw == (default if isinstance(default, bytes) else row.type.encode(default))
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from emulators.epos2.objects.device_profile import EPOS2_70_10
+from firmware_bridge.canopen import objects as od
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.epos2.quiet_motion import Desk, operational, powered, set_up, u32
@@ -34,7 +35,7 @@ def desk() -> Desk:
 def test_a_pdo_writes_its_objects_in_their_order(desk: Desk) -> None:
     desk.receives("401#0F00D2040000")
     assert desk.motion.written == [0x000F]
-    assert desk.store.get(at.TARGET_POSITION) == 1234
+    assert desk.store.get(od.TARGET_POSITION) == 1234
 
 
 def test_a_longer_pdo_is_taken_and_its_surplus_ignored(desk: Desk) -> None:
@@ -103,7 +104,7 @@ def test_two_pdos_may_share_an_identifier() -> None:
     desk = set_up(operational(), (0x1402, 1, u32(0x201)))
     desk.receives("201#0F0001000000")
     assert desk.motion.written == [0x000F, 0x000F]
-    assert desk.store.get(at.TARGET_POSITION) == 1
+    assert desk.store.get(od.TARGET_POSITION) == 1
 
 
 # Transmit PDOs
@@ -112,7 +113,7 @@ def test_two_pdos_may_share_an_identifier() -> None:
 def test_with_sync_the_telemetry_leaves_every_time() -> None:
     desk = set_up(powered(), *TELEMETRY)
     desk.receives("000#0101")
-    desk.store.on_read(at.POSITION_ACTUAL, lambda: -2)
+    desk.store.on_read(od.POSITION_ACTUAL, lambda: -2)
     desk.store.on_read(at.CURRENT_AVERAGED, lambda: 300)
     assert desk.receives("080#") == ["281#4007FEFFFFFF2C01"]
     assert desk.receives("080#00") == ["281#4007FEFFFFFF2C01"]
@@ -122,7 +123,7 @@ def test_with_sync_the_telemetry_leaves_every_time() -> None:
 def test_with_sync_values_are_sampled_before_set_values_are_taken_over() -> None:
     desk = set_up(powered(), *TELEMETRY, (0x1400, 2, b"\x01"))
     desk.receives("000#0101")
-    desk.store.on_write(at.CONTROLWORD, lambda _: desk.store.set(at.STATUSWORD, 0x0721))
+    desk.store.on_write(od.CONTROLWORD, lambda _: desk.store.set(od.STATUSWORD, 0x0721))
     desk.waits(10 * MILLISECOND)
     desk.receives("201#0600")
     assert desk.receives("080#") == ["281#4007000000000000", "181#2107"]
@@ -155,31 +156,31 @@ def test_a_pdo_switched_on_in_operational_begins_as_on_entering_it() -> None:
 
 
 def test_the_inhibit_time_keeps_changes_apart_and_the_last_value_is_reported(desk: Desk) -> None:
-    desk.store.set(at.STATUSWORD, 0x0721)
+    desk.store.set(od.STATUSWORD, 0x0721)
     assert desk.receives("080#") == ["181#2107"]
-    desk.store.set(at.STATUSWORD, 0x0723)
+    desk.store.set(od.STATUSWORD, 0x0723)
     assert desk.receives("080#") == []
-    desk.store.set(at.STATUSWORD, 0x0737)
+    desk.store.set(od.STATUSWORD, 0x0737)
     assert desk.waits(MILLISECOND - 1) == []
     assert desk.waits(1) == ["181#3707"]
     assert desk.waits(10 * MILLISECOND) == []
 
 
 def test_a_change_that_went_away_is_not_reported(desk: Desk) -> None:
-    desk.store.set(at.STATUSWORD, 0x0721)
+    desk.store.set(od.STATUSWORD, 0x0721)
     assert desk.receives("080#") == ["181#2107"]
-    desk.store.set(at.STATUSWORD, 0x0723)
+    desk.store.set(od.STATUSWORD, 0x0723)
     desk.receives("080#")
-    desk.store.set(at.STATUSWORD, 0x0721)
+    desk.store.set(od.STATUSWORD, 0x0721)
     assert desk.waits(10 * MILLISECOND) == []
 
 
 def test_the_inhibit_time_is_in_units_of_100_us() -> None:
     desk = set_up(operational(), (0x1800, 3, (25).to_bytes(2, "little")))
     desk.waits(10 * MILLISECOND)
-    desk.store.set(at.STATUSWORD, 0x0721)
+    desk.store.set(od.STATUSWORD, 0x0721)
     assert desk.receives("080#") == ["181#2107"]
-    desk.store.set(at.STATUSWORD, 0x0723)
+    desk.store.set(od.STATUSWORD, 0x0723)
     desk.receives("080#")
     assert desk.waits(2_500_000 - 1) == []
     assert desk.waits(1) == ["181#2307"]
@@ -187,7 +188,7 @@ def test_the_inhibit_time_is_in_units_of_100_us() -> None:
 
 def test_a_value_that_moves_by_itself_is_polled_every_millisecond() -> None:
     desk = set_up(powered(), *POSITION_ON_CHANGE)
-    desk.store.on_read(at.POSITION_ACTUAL, lambda: desk.now // (2 * MILLISECOND))
+    desk.store.on_read(od.POSITION_ACTUAL, lambda: desk.now // (2 * MILLISECOND))
     assert desk.receives("000#0101") == ["181#4007", "381#400700000000"]
     assert desk.waits(5 * MILLISECOND) == ["381#400701000000", "381#400702000000"]
 

@@ -7,7 +7,8 @@ SamsonChau/Maxon-Moter-control-using-EPOS-2-and-STM32-.
 
 import pytest
 
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from hil_tests.unit.epos2.quiet_motion import Desk, operational, powered
 
 RTR_ONLY = (
@@ -48,7 +49,7 @@ def test_reset_node_is_answered_by_boot_up_candump() -> None:
 
 def test_a_remote_request_is_answered_with_the_own_length_candump(recorded: Desk) -> None:
     assert recorded.receives("000#0100") == []
-    recorded.store.on_read(at.VELOCITY_ACTUAL, lambda: 4102)
+    recorded.store.on_read(od.VELOCITY_ACTUAL, lambda: 4102)
     assert recorded.receives("381#R6") == ["381#06100000"]
 
 
@@ -60,8 +61,8 @@ def test_pdos_on_request_never_leave_by_themselves_candump(recorded: Desk) -> No
     assert recorded.receives("401#0F0010100000") == []
     assert recorded.waits(1_000_000_000) == []
     assert recorded.motion.written == [0, 6, 0xF, 0xF]
-    assert recorded.store.get(at.MODE) == 3
-    assert recorded.store.get(at.TARGET_VELOCITY) == 4112
+    assert recorded.store.get(od.MODE) == 3
+    assert recorded.store.get(od.TARGET_VELOCITY) == 4112
 
 
 def test_the_statusword_follows_on_change_machinekit_589() -> None:
@@ -69,10 +70,10 @@ def test_the_statusword_follows_on_change_machinekit_589() -> None:
     desk = powered()
     assert desk.receives("000#0101") == ["181#4007"]
     desk.waits(10_000_000)
-    desk.store.set(at.STATUSWORD, 0x0721)
+    desk.store.set(od.STATUSWORD, 0x0721)
     assert desk.receives("201#0600") == ["181#2107"]
     desk.waits(10_000_000)
-    desk.store.set(at.STATUSWORD, 0x0737)
+    desk.store.set(od.STATUSWORD, 0x0737)
     assert desk.receives("201#0F00") == ["181#3707"]
     assert desk.receives("601#4041600000000000") == ["581#4B41600037070000"]
 
@@ -80,7 +81,7 @@ def test_the_statusword_follows_on_change_machinekit_589() -> None:
 def test_expedited_without_size_is_taken_exoskeleton_driver() -> None:
     desk = powered()
     assert desk.receives("601#22606000FE000000") == ["581#6060600000000000"]
-    assert desk.store.get(at.MODE) == -2
+    assert desk.store.get(od.MODE) == -2
 
 
 def test_loss_of_power_is_reported_with_code_and_register_exoskeleton_driver() -> None:
@@ -93,12 +94,12 @@ def test_loss_of_power_is_reported_with_code_and_register_exoskeleton_driver() -
     ("request_", "answer", "value"),
     [
         ("2316100100000000", "6016100100000000", None),
-        ("23161001D0070100", "6016100100000000", (at.CONSUMER_HEARTBEAT_1, 0x0001_07D0)),
-        ("2B171000E8030000", "6017100000000000", (at.PRODUCER_HEARTBEAT, 1000)),
+        ("23161001D0070100", "6016100100000000", (od.CONSUMER_HEARTBEAT_1, 0x0001_07D0)),
+        ("2B171000E8030000", "6017100000000000", (od.PRODUCER_HEARTBEAT, 1000)),
     ],
 )
 def test_heartbeat_set_up_pejman712_crf(
-    request_: str, answer: str, value: tuple[at.Address, int] | None
+    request_: str, answer: str, value: tuple[Address, int] | None
 ) -> None:
     desk = powered()
     assert desk.receives(f"601#{request_}")[0] == f"581#{answer}"

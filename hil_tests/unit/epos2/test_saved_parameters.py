@@ -10,7 +10,7 @@ import pytest
 
 from emulators.epos2.objects.saved_parameters import StorageError
 from emulators.storage import ParameterFile
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.address import Address
 from hil_tests.unit.epos2.quiet_motion import Desk
 
 ACCELERATION = Address(0x6083)

@@ -6,8 +6,8 @@ import pytest
 
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.epos2.objects.store import ObjectStore
-from firmware_bridge.wire.abort import AbortCode
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.abort import AbortCode
+from firmware_bridge.canopen.address import Address
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
 
 DOMAIN = "1B2000"

@@ -2,8 +2,8 @@
 
 import pytest
 
-from firmware_bridge.wire.abort import AbortCode
-from firmware_bridge.wire.canopen import NmtState
+from firmware_bridge.canopen.abort import AbortCode
+from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.wire.maxon.frame import Generation
 from firmware_bridge.wire.maxon.messages import (
     Done,

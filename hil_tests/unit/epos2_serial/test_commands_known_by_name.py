@@ -2,7 +2,7 @@
 
 import pytest
 
-from firmware_bridge.wire.abort import AbortCode
+from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.wire.maxon.frame import ANSWER, Frame, Generation, encode_v1, encode_v2
 from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject
 from hil_tests.unit.epos2_serial.serial_desk import SerialDesk

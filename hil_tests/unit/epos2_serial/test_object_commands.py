@@ -3,10 +3,10 @@
 import pytest
 
 from emulators.epos2.objects.saved_parameters import SAVE
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode
+from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.abort import AbortCode
-from firmware_bridge.wire.canopen import NmtState
-from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon.frame import Generation, MaxonAnswer
 from firmware_bridge.wire.maxon.messages import (
     Done,
@@ -39,7 +39,7 @@ def test_an_object_is_written_and_read_back(generation: Generation, node: int) -
         assert desk.requests(WriteObject(index, 0, node, u32(value))) == Done(0)
         assert desk.requests(ReadObject(index, 0, node)) == ObjectRead(0, u32(value))
     store = desk.far.store if node == FAR else desk.drive.store
-    assert (store.get(at.MODE), store.get(at.TARGET_POSITION)) == (-3, -2)
+    assert (store.get(od.MODE), store.get(od.TARGET_POSITION)) == (-3, -2)
     assert bool(desk.frames) is (node == FAR)
 
 

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.wires import SerialWire
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.can import REMOTE
-from firmware_bridge.wire.canopen import NmtState
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.frame import Generation
 from firmware_bridge.wire.maxon.opcodes import row_of
@@ -54,8 +54,8 @@ def desk_for(exchange: Exchange, generation: Generation) -> SerialDesk:
     near = 5 if isinstance(request, messages.RequestCanFrame) else 1
     desk = SerialDesk(generation, profile, near=near, others=[("neighbor", Neighbor())])
     desk.far.store.set(Address(0x2003, 1), 0x2010)
-    desk.drive.store.set(at.STATUSWORD, 0x0140)
-    desk.drive.store.set(at.POSITION_ACTUAL, 0x9090)
+    desk.drive.store.set(od.STATUSWORD, 0x0140)
+    desk.drive.store.set(od.POSITION_ACTUAL, 0x9090)
     if isinstance(request, messages.SegmentRead):
         desk.requests(messages.InitiateSegmentedRead(0x1008, 0, 1))
     if isinstance(request, messages.ReadLssFrame):

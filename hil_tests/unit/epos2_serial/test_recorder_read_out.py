@@ -6,8 +6,8 @@ from emulators.epos2.io.data_recorder import DataRecorder
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import DcMotor, DcMotors
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon.frame import Generation
 from firmware_bridge.wire.maxon.messages import (
     Done,

@@ -12,16 +12,17 @@ from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.winding import DIODES_MV
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
 
 # maxon RE25 20 W, values from memory of the catalog (assumed), with a small load.
 STEERING = DcMotor(2.32, 0.238e-3, 0.0234, 1.3e-6, friction=1.5e-3, damping=4e-7)
 SETTINGS = {
-    at.MOTOR_TYPE: 1,
+    od.MOTOR_TYPE: 1,
     at.CURRENT_P: 180,
     at.CURRENT_I: 297,
     at.VELOCITY_P: 400,
@@ -32,10 +33,10 @@ SETTINGS = {
     at.POSITION_ACCELERATION_FEEDFORWARD: 55,
     at.CONTINUOUS_CURRENT_LIMIT: 1200,
     at.OUTPUT_CURRENT_LIMIT: 3000,
-    at.PROFILE_VELOCITY: 3000,
-    at.PROFILE_ACCELERATION: 30_000,
-    at.PROFILE_DECELERATION: 15_000,
-    at.QUICK_STOP_DECELERATION: 60_000,
+    od.PROFILE_VELOCITY: 3000,
+    od.PROFILE_ACCELERATION: 30_000,
+    od.PROFILE_DECELERATION: 15_000,
+    od.QUICK_STOP_DECELERATION: 60_000,
 }
 SHUTDOWN, SWITCH_ON, ENABLE, QUICK_STOP, DISABLE = 0x06, 0x07, 0x0F, 0x02, 0x00
 
@@ -74,11 +75,11 @@ class Drive:
 
     def command(self, *words: int) -> None:
         for word in words:
-            self.write(at.CONTROLWORD, word)
+            self.write(od.CONTROLWORD, word)
 
     def enable(self, mode: int | None = None) -> None:
         if mode is not None:
-            self.write(at.MODE, mode)
+            self.write(od.MODE, mode)
         self.command(SHUTDOWN, SWITCH_ON, ENABLE)
 
     def run(self, milliseconds: float) -> None:
@@ -100,7 +101,7 @@ class Drive:
 
     @property
     def statusword(self) -> int:
-        return self.read(at.STATUSWORD)
+        return self.read(od.STATUSWORD)
 
     @property
     def state(self) -> PowerState:

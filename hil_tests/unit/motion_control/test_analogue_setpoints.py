@@ -12,6 +12,7 @@ from emulators.epos2.modes.analogue import (
     VELOCITY_SETPOINT,
     AnalogueSetpoint,
 )
+from firmware_bridge.canopen import objects as od
 from firmware_bridge.wire.epos2 import address as at
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 SETPOINTS = {-3: CURRENT_SETPOINT, -2: VELOCITY_SETPOINT, -1: POSITION_SETPOINT}
 SETTINGS = {-3: at.CURRENT_MODE_SETTING, -2: at.VELOCITY_MODE_SETTING, -1: at.POSITION_MODE_SETTING}
-DEMANDS = {-3: at.CURRENT_DEMAND, -2: at.VELOCITY_DEMAND, -1: at.POSITION_DEMAND}
+DEMANDS = {-3: at.CURRENT_DEMAND, -2: od.VELOCITY_DEMAND, -1: od.POSITION_DEMAND}
 
 
 def configure(
@@ -82,7 +83,7 @@ def test_the_input_counts_every_millisecond_without_an_event(drive: "Drive") -> 
     for millivolts in (0, 500, 1000, -300):
         drive.axis.analogue_2_mv = millivolts
         drive.run(2)
-        assert drive.read(at.VELOCITY_DEMAND) == millivolts
+        assert drive.read(od.VELOCITY_DEMAND) == millivolts
 
 
 def test_the_first_input_with_the_function_counts(drive: "Drive") -> None:
@@ -100,25 +101,25 @@ def test_without_an_input_of_that_function_the_set_value_counts(drive: "Drive") 
     drive.enable(mode=-2)
     drive.write(at.VELOCITY_MODE_SETTING, 40)
     drive.run(2)
-    assert drive.read(at.VELOCITY_DEMAND) == 40
+    assert drive.read(od.VELOCITY_DEMAND) == 40
 
 
 def test_limits_hold_for_volts_too(drive: "Drive") -> None:
     drive.axis.analogue_2_mv = 10_000
-    drive.write(at.MAX_PROFILE_VELOCITY, 800)
+    drive.write(od.MAX_PROFILE_VELOCITY, 800)
     configure(drive, VELOCITY_SETPOINT, 1000)
     drive.enable(mode=-2)
     drive.run(2)
-    assert drive.read(at.VELOCITY_DEMAND) == 800
+    assert drive.read(od.VELOCITY_DEMAND) == 800
     drive.write(at.VELOCITY_MODE_SETTING, 0)
     drive.write(EXECUTION_MASK, 0)
     drive.run(100)
-    drive.write(at.MIN_POSITION_LIMIT, -100)
-    drive.write(at.MAX_POSITION_LIMIT, drive.read(at.POSITION_ACTUAL) + 50)
+    drive.write(od.MIN_POSITION_LIMIT, -100)
+    drive.write(od.MAX_POSITION_LIMIT, drive.read(od.POSITION_ACTUAL) + 50)
     configure(drive, POSITION_SETPOINT, 30_000)
-    drive.write(at.MODE, -1)
+    drive.write(od.MODE, -1)
     drive.run(2)
-    assert drive.read(at.POSITION_DEMAND) == drive.read(at.MAX_POSITION_LIMIT)
+    assert drive.read(od.POSITION_DEMAND) == drive.read(od.MAX_POSITION_LIMIT)
 
 
 def test_current_by_volts_stays_within_the_output_limit(drive: "Drive") -> None:
@@ -132,17 +133,17 @@ def test_current_by_volts_stays_within_the_output_limit(drive: "Drive") -> None:
 def test_no_volts_move_a_drive_that_is_not_enabled_or_brakes(drive: "Drive") -> None:
     configure(drive, VELOCITY_SETPOINT, 1000)
     drive.axis.analogue_2_mv = 2000
-    drive.write(at.MODE, -2)
+    drive.write(od.MODE, -2)
     drive.run(20)
     assert drive.axis.voltage_mv == 0
     drive.enable()
     drive.run(50)
-    assert drive.read(at.VELOCITY_DEMAND) == 2000
+    assert drive.read(od.VELOCITY_DEMAND) == 2000
     drive.command(0x02)
     drive.run(100)
-    assert drive.read(at.VELOCITY_DEMAND) == 0
+    assert drive.read(od.VELOCITY_DEMAND) == 0
     drive.command(0x00)
-    drive.write(at.MODE, 3)
+    drive.write(od.MODE, 3)
     drive.enable()
     drive.run(50)
-    assert drive.read(at.VELOCITY_DEMAND) == 0
+    assert drive.read(od.VELOCITY_DEMAND) == 0

@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
 from emulators.epos2.modes.homing_methods import METHODS
-from firmware_bridge.wire.abort import SdoAbort
-from firmware_bridge.wire.cia402 import PowerState, state_of
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import SdoAbort
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import PowerState, state_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import (
     INPUT_EXECUTION,
@@ -46,11 +48,11 @@ class ForeignNode(RuleBasedStateMachine):
     def power_on(self, *, brushless: bool) -> None:
         self.drive = make_drive()
         if brushless:
-            self.drive.write(at.MOTOR_TYPE, 10)
+            self.drive.write(od.MOTOR_TYPE, 10)
 
     @rule(word=st.one_of(st.sampled_from(COMMANDS), st.integers(0, 0xFFFF)))
     def controlword(self, word: int) -> None:
-        self.drive.write(at.CONTROLWORD, word)
+        self.drive.write(od.CONTROLWORD, word)
 
     @rule()
     def enable(self) -> None:
@@ -58,13 +60,13 @@ class ForeignNode(RuleBasedStateMachine):
 
     @rule(mode=st.sampled_from((1, 3, -1, -2, -3, 6, 7, -4)))
     def mode(self, mode: int) -> None:
-        self.drive.write(at.MODE, mode)
+        self.drive.write(od.MODE, mode)
 
     @rule(
         address=st.sampled_from(
             (
-                at.TARGET_POSITION,
-                at.TARGET_VELOCITY,
+                od.TARGET_POSITION,
+                od.TARGET_VELOCITY,
                 at.POSITION_MODE_SETTING,
                 at.VELOCITY_MODE_SETTING,
                 at.CURRENT_MODE_SETTING,
@@ -72,11 +74,11 @@ class ForeignNode(RuleBasedStateMachine):
         ),
         value=st.one_of(st.integers(-20_000, 20_000), st.integers(-(2**31), 2**31 - 1)),
     )
-    def target(self, address: at.Address, value: int) -> None:
+    def target(self, address: Address, value: int) -> None:
         self.drive.write(address, value)
 
     @rule(address=st.sampled_from(WRITABLE), raw=st.binary(min_size=0, max_size=9))
-    def any_object(self, address: at.Address, raw: bytes) -> None:
+    def any_object(self, address: Address, raw: bytes) -> None:
         size = OBJECTS[address].type.size
         with suppress(SdoAbort):
             self.drive.store.write(address, raw[:size].ljust(size, b"\0"))
@@ -96,16 +98,16 @@ class ForeignNode(RuleBasedStateMachine):
         execution=st.integers(0, 0x3F),
         polarity=st.integers(0, 0x3F),
     )
-    def wiring(self, address: at.Address, function: int, execution: int, polarity: int) -> None:
+    def wiring(self, address: Address, function: int, execution: int, polarity: int) -> None:
         self.drive.write(address, function)
         self.drive.write(INPUT_EXECUTION, execution)
         self.drive.write(INPUT_POLARITY, polarity)
 
     @rule(method=st.sampled_from(tuple(METHODS)), offset=st.integers(-5000, 5000))
     def homing(self, method: int, offset: int) -> None:
-        self.drive.write(at.HOMING_METHOD, method)
-        self.drive.write(at.HOME_OFFSET, offset)
-        self.drive.write(at.MODE, 6)
+        self.drive.write(od.HOMING_METHOD, method)
+        self.drive.write(od.HOME_OFFSET, offset)
+        self.drive.write(od.MODE, 6)
         self.drive.command(0x80, 0x00, 0x06, 0x07, 0x0F, 0x1F)
 
     @rule(code=st.sampled_from((0x8210, 0x8120, 0x8150, 0x1000, 0x1234)))
@@ -147,7 +149,7 @@ class ForeignNode(RuleBasedStateMachine):
 
     @invariant()
     def what_can_be_read_can_be_read(self) -> None:
-        for address in (at.POSITION_ACTUAL, at.FOLLOWING_ERROR, at.VELOCITY_AVERAGED, at.POSITION_DEMAND):
+        for address in (od.POSITION_ACTUAL, at.FOLLOWING_ERROR, at.VELOCITY_AVERAGED, od.POSITION_DEMAND):
             self.drive.store.read(address)
 
 

@@ -8,7 +8,8 @@ import pytest
 from emulators.epos2.control.power_states import BRUSHED_DC
 from emulators.epos2.modes.interpolation_buffer import BUFFER_CLEAR
 from emulators.epos2.objects.device_profile import BUFFER_SIZE
-from firmware_bridge.wire.cia402 import Mode, PowerState
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import Mode, PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.rows import every
 from hil_tests.unit.motion_control.conftest import ENABLE, SHUTDOWN, SWITCH_ON, Drive, make_drive
@@ -23,8 +24,8 @@ MOTORS = (BRUSHED_DC, SINUS_COMMUTATED)
 def enabling(motor: int, mode: int, wait_ms: float) -> Drive:
     """A drive so many ms after the word that enables it."""
     drive = make_drive()
-    drive.write(at.MOTOR_TYPE, motor)
-    drive.write(at.MODE, mode)
+    drive.write(od.MOTOR_TYPE, motor)
+    drive.write(od.MODE, mode)
     drive.command(SHUTDOWN, SWITCH_ON)
     if mode == Mode.INTERPOLATED_POSITION:
         drive.store.set(BUFFER_SIZE, 64)
@@ -38,7 +39,7 @@ def enabling(motor: int, mode: int, wait_ms: float) -> Drive:
 
 def commanded(drive: Drive, word: int, *, by_pdo: bool) -> None:
     if by_pdo:
-        drive.carries((at.CONTROLWORD, word))
+        drive.carries((od.CONTROLWORD, word))
     else:
         drive.command(word)
 
@@ -48,10 +49,10 @@ def commanded(drive: Drive, word: int, *, by_pdo: bool) -> None:
 @every("motor", MOTORS)
 def test_a_set_point_is_taken(motor: int, wait_ms: float, *, by_pdo: bool) -> None:
     drive = enabling(motor, Mode.PROFILE_POSITION, wait_ms)
-    drive.write(at.TARGET_POSITION, 3000)
+    drive.write(od.TARGET_POSITION, 3000)
     commanded(drive, START, by_pdo=by_pdo)
     drive.run(600)
-    assert drive.read(at.POSITION_DEMAND) == 3000
+    assert drive.read(od.POSITION_DEMAND) == 3000
     assert drive.statusword & 0x1000, "set-point acknowledged"
 
 
@@ -60,11 +61,11 @@ def test_a_set_point_is_taken(motor: int, wait_ms: float, *, by_pdo: bool) -> No
 @every("motor", MOTORS)
 def test_a_homing_starts(motor: int, wait_ms: float, *, by_pdo: bool) -> None:
     drive = enabling(motor, Mode.HOMING, wait_ms)
-    drive.write(at.HOMING_METHOD, 35)
+    drive.write(od.HOMING_METHOD, 35)
     drive.write(at.HOME_POSITION, 777)
     commanded(drive, START, by_pdo=by_pdo)
     drive.run(50)
-    assert drive.read(at.POSITION_ACTUAL) == pytest.approx(777, abs=2)
+    assert drive.read(od.POSITION_ACTUAL) == pytest.approx(777, abs=2)
     assert drive.statusword & 0x9000 == 0x9000, "attained, referenced"
 
 
@@ -75,24 +76,24 @@ def test_a_path_starts(motor: int, wait_ms: float, *, by_pdo: bool) -> None:
     drive = enabling(motor, Mode.INTERPOLATED_POSITION, wait_ms)
     commanded(drive, START, by_pdo=by_pdo)
     drive.run(100)
-    assert drive.read(at.POSITION_DEMAND) == 400
+    assert drive.read(od.POSITION_DEMAND) == 400
 
 
 def test_the_bit_in_the_word_that_enables_starts_nothing() -> None:
     drive = make_drive()
-    drive.write(at.TARGET_POSITION, 3000)
-    drive.write(at.MODE, Mode.PROFILE_POSITION)
+    drive.write(od.TARGET_POSITION, 3000)
+    drive.write(od.MODE, Mode.PROFILE_POSITION)
     for word in (SHUTDOWN, SWITCH_ON, START):
-        drive.carries((at.CONTROLWORD, word))
+        drive.carries((od.CONTROLWORD, word))
     drive.run(300)
     assert drive.stands_in(PowerState.OPERATION_ENABLED)
-    assert drive.read(at.POSITION_DEMAND) == 0
+    assert drive.read(od.POSITION_DEMAND) == 0
 
 
 def test_a_stop_while_it_enables_wins_over_the_set_point_before_it() -> None:
     drive = enabling(SINUS_COMMUTATED, Mode.PROFILE_POSITION, 1)
-    drive.write(at.TARGET_POSITION, 3000)
+    drive.write(od.TARGET_POSITION, 3000)
     drive.command(START, 0x0002)
     drive.run(300)
     assert not drive.stands_in(PowerState.OPERATION_ENABLED)
-    assert drive.read(at.POSITION_ACTUAL) == pytest.approx(0, abs=2)
+    assert drive.read(od.POSITION_ACTUAL) == pytest.approx(0, abs=2)

@@ -8,10 +8,11 @@ from emulators.epos2.io.data_recorder import RECORDABLE
 from emulators.epos2.objects.axis_parameters import ACTUAL_VALUES
 from emulators.rewind import Rewind
 from emulators.servo.record import ServoRecord
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.cia402 import PowerState
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -56,10 +57,10 @@ def vectors(drive: "Drive", sizes: "Sequence[int]") -> list[list[int]]:
 @pytest.mark.parametrize(
     ("addresses", "most"),
     [
-        ((at.CURRENT_ACTUAL,), 512),
-        ((at.POSITION_ACTUAL,), 256),
-        ((at.CURRENT_ACTUAL, at.POSITION_ACTUAL), 170),
-        ((at.POSITION_ACTUAL, at.POSITION_DEMAND, at.VELOCITY_ACTUAL, at.VELOCITY_DEMAND), 64),
+        ((od.CURRENT_ACTUAL,), 512),
+        ((od.POSITION_ACTUAL,), 256),
+        ((od.CURRENT_ACTUAL, od.POSITION_ACTUAL), 170),
+        ((od.POSITION_ACTUAL, od.POSITION_DEMAND, od.VELOCITY_ACTUAL, od.VELOCITY_DEMAND), 64),
     ],
     ids=["16 bit", "32 bit", "16 and 32 bit", "four of 32 bit"],
 )
@@ -74,10 +75,10 @@ def test_the_memory_is_divided_as_in_the_application_notes(
 def test_a_movement_is_recorded_from_its_first_millisecond_with_samples_from_before(drive: "Drive") -> None:
     drive.enable(mode=3)
     drive.run(20)
-    chosen(drive, at.VELOCITY_DEMAND, at.CURRENT_ACTUAL, preceding=5, trigger=MOVEMENT_START)
+    chosen(drive, od.VELOCITY_DEMAND, od.CURRENT_ACTUAL, preceding=5, trigger=MOVEMENT_START)
     drive.run(30)
     assert drive.read(STATUS) == RUNNING
-    drive.write(at.TARGET_VELOCITY, 3000)
+    drive.write(od.TARGET_VELOCITY, 3000)
     drive.run(1)
     assert drive.read(STATUS) == RUNNING | TRIGGERED
     drive.run(200)
@@ -91,7 +92,7 @@ def test_a_movement_is_recorded_from_its_first_millisecond_with_samples_from_bef
 def test_every_tenth_of_a_millisecond_can_be_seen(drive: "Drive") -> None:
     drive.enable(mode=-3)
     drive.run(10)
-    chosen(drive, at.CURRENT_ACTUAL, at.CURRENT_DEMAND, period=1, trigger=0)
+    chosen(drive, od.CURRENT_ACTUAL, at.CURRENT_DEMAND, period=1, trigger=0)
     drive.run(5)
     drive.write(at.CURRENT_MODE_SETTING, 500)
     drive.run(5)
@@ -106,20 +107,20 @@ def test_every_tenth_of_a_millisecond_can_be_seen(drive: "Drive") -> None:
 
 def test_the_end_of_a_movement_an_edge_and_a_hand_trigger_too(drive: "Drive") -> None:
     drive.enable(mode=3)
-    drive.write(at.TARGET_VELOCITY, 300)
+    drive.write(od.TARGET_VELOCITY, 300)
     drive.run(50)
-    chosen(drive, at.VELOCITY_DEMAND, period=10, preceding=255, trigger=MOVEMENT_END)
-    drive.write(at.TARGET_VELOCITY, 0)
+    chosen(drive, od.VELOCITY_DEMAND, period=10, preceding=255, trigger=MOVEMENT_END)
+    drive.write(od.TARGET_VELOCITY, 0)
     drive.run(400)
     assert drive.read(STATUS) == TRIGGERED
     assert vectors(drive, (4,))[0][-2:] == [15, 0]
-    chosen(drive, at.POSITION_ACTUAL, trigger=INPUT)
+    chosen(drive, od.POSITION_ACTUAL, trigger=INPUT)
     drive.run(10)
     assert drive.read(STATUS) == RUNNING
     drive.axis.pins ^= 4
     drive.run(2)
     assert drive.read(STATUS) == RUNNING | TRIGGERED
-    chosen(drive, at.POSITION_ACTUAL, trigger=0)
+    chosen(drive, od.POSITION_ACTUAL, trigger=0)
     drive.write(CONTROL, BY_HAND)
     assert drive.read(STATUS) == RUNNING | TRIGGERED
     drive.run(256)
@@ -128,7 +129,7 @@ def test_the_end_of_a_movement_an_edge_and_a_hand_trigger_too(drive: "Drive") ->
 
 def test_what_led_to_an_error_is_there_to_be_read(drive: "Drive") -> None:
     drive.enable(mode=3)
-    drive.write(at.TARGET_VELOCITY, 3000)
+    drive.write(od.TARGET_VELOCITY, 3000)
     drive.run(300)
     chosen(drive, at.VELOCITY_AVERAGED, at.CURRENT_DEMAND, preceding=169, trigger=ERROR)
     drive.run(400)
@@ -155,7 +156,7 @@ def test_what_cannot_be_recorded_is_refused_at_the_start(
 def test_every_value_is_made_from_the_fields_that_the_table_names(drive: "Drive") -> None:
     values = dict(ACTUAL_VALUES)
     drive.enable(mode=1)
-    drive.write(at.TARGET_POSITION, 20_000)
+    drive.write(od.TARGET_POSITION, 20_000)
     drive.command(0x1F)
     drive.run(50)
     for address, fields in RECORDABLE.items():
@@ -169,8 +170,8 @@ def test_a_recording_is_rewound_with_everything_else(drive: "Drive") -> None:
     drive.enable(mode=3)
     rewind = Rewind(drive)
     before = rewind.snapshot()
-    chosen(drive, at.POSITION_ACTUAL, trigger=MOVEMENT_START)
-    drive.write(at.TARGET_VELOCITY, 3000)
+    chosen(drive, od.POSITION_ACTUAL, trigger=MOVEMENT_START)
+    drive.write(od.TARGET_VELOCITY, 3000)
     drive.run(100)
     during = rewind.snapshot()
     drive.run(500)
@@ -185,7 +186,7 @@ def test_a_recording_is_rewound_with_everything_else(drive: "Drive") -> None:
 
 
 def test_a_reset_forgets_the_recording(drive: "Drive") -> None:
-    chosen(drive, at.POSITION_ACTUAL, trigger=0)
+    chosen(drive, od.POSITION_ACTUAL, trigger=0)
     drive.run(20)
     drive.control.reset()
     drive.run(20)

@@ -5,8 +5,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from emulators.epos2.control import value_ranges
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.cia402 import PowerState
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import (
     INPUT_EXECUTION,
@@ -42,7 +44,7 @@ def test_the_mask_hides_functions_from_the_reader_only(drive: "Drive") -> None:
     drive.write(INPUT_MASK, 0)
     drive.write(INPUT_EXECUTION, LIMITS)
     drive.enable(mode=3)
-    drive.write(at.TARGET_VELOCITY, -1000)
+    drive.write(od.TARGET_VELOCITY, -1000)
     assert drive.reported == [0xFF06]
 
 
@@ -61,7 +63,7 @@ def test_another_pin_may_have_the_function(drive: "Drive") -> None:
 
 
 @pytest.mark.parametrize("address", [*INPUT_PINS, *OUTPUT_PINS], ids=str)
-def test_there_are_no_other_functions(drive: "Drive", address: at.Address) -> None:
+def test_there_are_no_other_functions(drive: "Drive", address: Address) -> None:
     value_ranges.keep(drive.store)
     for value in (16, 0xFFFF, *((3, 7) if address in OUTPUT_PINS else ())):
         with pytest.raises(SdoAbort) as refusal:
@@ -71,7 +73,7 @@ def test_there_are_no_other_functions(drive: "Drive", address: at.Address) -> No
 
 def runs_at(drive: "Drive", rpm: int) -> None:
     drive.enable(mode=3)
-    drive.write(at.TARGET_VELOCITY, rpm)
+    drive.write(od.TARGET_VELOCITY, rpm)
     drive.run(300)
 
 
@@ -118,8 +120,8 @@ def test_without_power_a_limit_switch_is_no_fault(drive: "Drive") -> None:
 
 
 MOVES = {
-    "profile position": (1, at.TARGET_POSITION, 2000),
-    "profile velocity": (3, at.TARGET_VELOCITY, 500),
+    "profile position": (1, od.TARGET_POSITION, 2000),
+    "profile velocity": (3, od.TARGET_VELOCITY, 500),
     "position": (-1, at.POSITION_MODE_SETTING, 500),
     "velocity": (-2, at.VELOCITY_MODE_SETTING, 500),
     "current": (-3, at.CURRENT_MODE_SETTING, 100),

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 from emulators.epos2.modes.digital_position import DENOMINATOR, NUMERATOR, OFFSET, POLARITY
 from emulators.epos2.objects.axis_parameters import DIGITAL_POSITION
-from firmware_bridge.wire.cia402 import PowerState
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
 from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import make_drive
@@ -42,8 +42,8 @@ def test_the_shaft_follows_by_the_gear(  # noqa: PLR0917 - a row of the table
     drive.run(5)
     turn(drive, 5, 100)
     drive.run(500)
-    assert drive.read(at.POSITION_DEMAND) == drive.read(DIGITAL_POSITION) == expected
-    assert drive.read(at.POSITION_ACTUAL) == pytest.approx(expected, abs=2)
+    assert drive.read(od.POSITION_DEMAND) == drive.read(DIGITAL_POSITION) == expected
+    assert drive.read(od.POSITION_ACTUAL) == pytest.approx(expected, abs=2)
     assert drive.reported == []
 
 
@@ -56,24 +56,24 @@ def test_a_gear_that_is_written_as_it_stands_loses_nothing(drive: "Drive", addre
         turn(drive, 5, 1)
         drive.write(address, drive.read(address))
     drive.run(500)
-    assert drive.read(at.POSITION_DEMAND) == 71
+    assert drive.read(od.POSITION_DEMAND) == 71
 
 
 def test_what_the_master_did_before_does_not_count_and_the_offset_does(drive: "Drive") -> None:
     drive.axis.master = 123_456
     drive.write(OFFSET, 300)
-    drive.write(at.MAX_ACCELERATION, 20_000)
+    drive.write(od.MAX_ACCELERATION, 20_000)
     drive.enable(mode=-5)
     drive.run(300)
-    assert drive.read(at.POSITION_DEMAND) == 300
+    assert drive.read(od.POSITION_DEMAND) == 300
     drive.write(OFFSET, 200)
     drive.run(300)
-    assert drive.read(at.POSITION_DEMAND) == 200
+    assert drive.read(od.POSITION_DEMAND) == 200
 
 
 def test_a_wild_master_is_followed_within_the_limits(drive: "Drive") -> None:
-    drive.write(at.MAX_PROFILE_VELOCITY, 1500)
-    drive.write(at.MAX_ACCELERATION, 30_000)
+    drive.write(od.MAX_PROFILE_VELOCITY, 1500)
+    drive.write(od.MAX_ACCELERATION, 30_000)
     drive.enable(mode=-5)
     drive.run(5)
     before, fastest, sharpest = 0, 0, 0
@@ -86,7 +86,7 @@ def test_a_wild_master_is_followed_within_the_limits(drive: "Drive") -> None:
     # 50 qc/ms and 1 qc/ms2.
     assert fastest == 50 << drive.axis.fraction
     assert sharpest <= 1 << drive.axis.fraction
-    assert drive.read(at.POSITION_DEMAND) == 10_000
+    assert drive.read(od.POSITION_DEMAND) == 10_000
 
 
 def test_without_limits_of_acceleration_it_does_not_lag(drive: "Drive") -> None:
@@ -94,48 +94,48 @@ def test_without_limits_of_acceleration_it_does_not_lag(drive: "Drive") -> None:
     drive.run(5)
     turn(drive, 7, 50)
     drive.run(1)
-    assert drive.read(at.POSITION_DEMAND) == 350
+    assert drive.read(od.POSITION_DEMAND) == 350
 
 
 def test_the_software_limits_hold_it_and_nothing_is_lost(drive: "Drive") -> None:
-    drive.write(at.MAX_POSITION_LIMIT, 400)
+    drive.write(od.MAX_POSITION_LIMIT, 400)
     drive.enable(mode=-5)
     drive.run(5)
     turn(drive, 5, 100)
     drive.run(50)
-    assert drive.read(at.POSITION_DEMAND) == 400
+    assert drive.read(od.POSITION_DEMAND) == 400
     turn(drive, -5, 40)
     drive.run(50)
-    assert drive.read(at.POSITION_DEMAND) == 300
+    assert drive.read(od.POSITION_DEMAND) == 300
 
 
 def test_a_disabled_drive_does_not_follow(drive: "Drive") -> None:
-    drive.write(at.MODE, -5)
+    drive.write(od.MODE, -5)
     turn(drive, 50, 50)
     assert drive.axis.voltage_mv == 0
     drive.command(0x06, 0x0F)
     drive.run(50)
-    assert drive.read(at.POSITION_DEMAND) == 0
+    assert drive.read(od.POSITION_DEMAND) == 0
 
 
 def test_a_mode_that_is_entered_under_way_brakes_first(drive: "Drive") -> None:
     drive.enable(mode=3)
-    drive.write(at.TARGET_VELOCITY, 1500)
+    drive.write(od.TARGET_VELOCITY, 1500)
     drive.run(300)
-    drive.write(at.MODE, -5)
+    drive.write(od.MODE, -5)
     drive.axis.master += 1000
     ms = drive.runs_until(lambda: drive.axis.velocity_demand == 0)
     # 15 000 rpm/s.
     assert ms == pytest.approx(100, abs=3)
-    here = drive.read(at.POSITION_DEMAND)
+    here = drive.read(od.POSITION_DEMAND)
     turn(drive, 1, 100)
     drive.run(10)
-    assert drive.read(at.POSITION_DEMAND) == here + 100
+    assert drive.read(od.POSITION_DEMAND) == here + 100
 
 
 @pytest.mark.emergency(0x8611)
 def test_a_blocked_shaft_is_a_following_error(drive: "Drive") -> None:
-    drive.write(at.MAX_FOLLOWING_ERROR, 200)
+    drive.write(od.MAX_FOLLOWING_ERROR, 200)
     drive.enable(mode=-5)
     drive.run(5)
     drive.plant.load[0] = -10.0
@@ -152,9 +152,9 @@ def test_quick_stop_lets_go_of_the_master(drive: "Drive") -> None:
     turn(drive, 10, 50)
     assert drive.stands_in(PowerState.QUICK_STOP_ACTIVE)
     assert drive.axis.velocity_demand == 0
-    here = drive.read(at.POSITION_DEMAND)
+    here = drive.read(od.POSITION_DEMAND)
     turn(drive, 10, 50)
-    assert drive.read(at.POSITION_DEMAND) == here
+    assert drive.read(od.POSITION_DEMAND) == here
 
 
 @pytest.mark.parametrize(("pin", "way", "code"), [(1 << 4, 1, 0xFF07), (1 << 5, -1, 0xFF06)])
@@ -182,11 +182,11 @@ def test_the_gear_loses_nothing_whatever_the_steps(
     steps: list[int], numerator: int, denominator: int, sharpest: int
 ) -> None:
     drive = make_drive()
-    drive.write(at.MAX_FOLLOWING_ERROR, 0xFFFFFFFF)
+    drive.write(od.MAX_FOLLOWING_ERROR, 0xFFFFFFFF)
     drive.write(NUMERATOR, numerator)
     drive.write(DENOMINATOR, denominator)
-    drive.write(at.MAX_ACCELERATION, sharpest)
-    drive.write(at.MAX_PROFILE_VELOCITY, 5000)
+    drive.write(od.MAX_ACCELERATION, sharpest)
+    drive.write(od.MAX_PROFILE_VELOCITY, 5000)
     drive.enable(mode=-5)
     drive.run(5)
     limit, before = drive.axis.cruise, 0

@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 
 from emulators.servo.axis import ServoAxis
 from emulators.servo.compare import compare
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import SdoAbort
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.abort import SdoAbort
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 
 if TYPE_CHECKING:
     from hil_tests.unit.motion_control.conftest import Drive
@@ -42,7 +42,7 @@ def turning(drive: "Drive") -> "Drive":
     drive.write(Address(0x2070, 1), MARKER)
     drive.write(Address(0x2079, 1), COMPARE)
     drive.enable(mode=3)
-    drive.write(at.TARGET_VELOCITY, 600)
+    drive.write(od.TARGET_VELOCITY, 600)
     drive.run(100)
     return drive
 
@@ -129,10 +129,10 @@ def test_a_sequence_gives_pulses_at_its_intervals_on_its_side(turning: "Drive") 
 def test_directions_that_do_not_count_give_none(turning: "Drive") -> None:
     set_up(turning, ENABLED, reference=turning.axis.position + 500)  # downwards only
     assert pulses(turning, 60) == []
-    turning.write(at.TARGET_VELOCITY, -600)
+    turning.write(od.TARGET_VELOCITY, -600)
     assert len(pulses(turning, 200)) == 1
     turning.write(WORD, 0)
-    turning.write(at.TARGET_VELOCITY, 600)
+    turning.write(od.TARGET_VELOCITY, 600)
     assert pulses(turning, 300) == []
 
 

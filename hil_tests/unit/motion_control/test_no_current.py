@@ -5,8 +5,9 @@ from hypothesis import strategies as st
 
 from emulators.servo.axis_faults import AxisFaults, IndexPulse, SensorWires
 from emulators.servo.winding import set_winding
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import STEERING, Drive, into_the_supply, make_drive
 from hil_tests.unit.motion_control.test_any_order import POWERED
@@ -52,7 +53,7 @@ def does(drive: Drive, deed: str, value: object) -> None:
             {"air": around.air, "logic": around.logic_supply, "gate": around.gate_supply}[deed](value)
     elif isinstance(value, int):
         if deed == "limits":
-            drive.write(at.MAX_POSITION_LIMIT, value)
+            drive.write(od.MAX_POSITION_LIMIT, value)
         elif deed == "command":
             drive.command(value)
         else:
@@ -78,13 +79,13 @@ def test_no_current_flows_where_the_state_does_not_allow_it(
 ) -> None:
     drive = make_drive()
     set_winding(drive.axis, STEERING.torque_constant, STEERING.resistance, STEERING.inductance)
-    drive.write(at.MOTOR_TYPE, motor)
+    drive.write(od.MOTOR_TYPE, motor)
     drive.write(Address(0x2070, 1), 5)
     drive.write(Address(0x2071, 4), 0x2B)  # limit switches, marker and quick stop act
     drive.enable(mode=mode)
     drive.run(15)
     assert drive.state in POWERED
-    for address in (at.TARGET_POSITION, at.TARGET_VELOCITY, at.POSITION_MODE_SETTING):
+    for address in (od.TARGET_POSITION, od.TARGET_VELOCITY, at.POSITION_MODE_SETTING):
         drive.write(address, target)
     drive.write(at.VELOCITY_MODE_SETTING, target)
     drive.write(at.CURRENT_MODE_SETTING, target // 4)

@@ -6,7 +6,9 @@ import pytest
 
 from emulators.epos2.io.holding_brake import FALL_TIME, RISE_TIME, STANDSTILL_TIMEOUT, TIMEOUT
 from emulators.servo.pins import BRAKE_CLOSED
-from firmware_bridge.wire.cia402 import PowerState
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import (
     INPUT_EXECUTION,
@@ -72,7 +74,7 @@ def closed(drive: "Drive") -> bool:
 
 def test_setpoints_wait_until_the_brake_is_open(drive: "Drive") -> None:
     with_brake(drive)
-    drive.write(at.TARGET_VELOCITY, 3000)
+    drive.write(od.TARGET_VELOCITY, 3000)
     drive.enable(mode=3)
     assert drive.stands_in(PowerState.OPERATION_ENABLED)
     assert not closed(drive)
@@ -85,7 +87,7 @@ def test_setpoints_wait_until_the_brake_is_open(drive: "Drive") -> None:
 def test_a_command_on_the_way_waits_for_the_brake(drive: "Drive") -> None:
     with_brake(drive)
     drive.enable(mode=1)
-    drive.write(at.TARGET_POSITION, 1000)
+    drive.write(od.TARGET_POSITION, 1000)
     drive.command(0x1F)
     drive.run(20)
     assert not drive.statusword & 0x1000
@@ -105,7 +107,7 @@ def test_power_goes_when_the_shaft_rests_and_the_brake_holds(
     drive: "Drive", word: int, state: PowerState
 ) -> None:
     with_brake(drive)
-    drive.write(at.TARGET_VELOCITY, 3000)
+    drive.write(od.TARGET_VELOCITY, 3000)
     drive.enable(mode=3)
     drive.run(400)
     drive.command(word)
@@ -121,7 +123,7 @@ def test_power_goes_when_the_shaft_rests_and_the_brake_holds(
 
 def test_a_quick_stop_keeps_its_ramp_and_the_brake_open(drive: "Drive") -> None:
     with_brake(drive)
-    drive.write(at.TARGET_VELOCITY, 3000)
+    drive.write(od.TARGET_VELOCITY, 3000)
     drive.enable(mode=3)
     drive.run(400)
     drive.command(0x02)
@@ -133,7 +135,7 @@ def test_a_quick_stop_keeps_its_ramp_and_the_brake_open(drive: "Drive") -> None:
 
 def test_a_fault_with_a_ramp_closes_the_brake_after_it(drive: "Drive") -> None:
     with_brake(drive)
-    drive.write(at.TARGET_VELOCITY, 3000)
+    drive.write(od.TARGET_VELOCITY, 3000)
     drive.enable(mode=3)
     drive.run(400)
     drive.control.communication_fault(0x8210)
@@ -199,14 +201,14 @@ def test_a_quick_stop_while_the_brake_opens_waits_for_it_no_longer(drive: "Drive
 
 @pytest.mark.parametrize(("object_", "milliseconds"), [(STANDSTILL_TIMEOUT, 120), (TIMEOUT, 80)])
 def test_a_shaft_that_does_not_rest_is_waited_for_only_so_long(
-    drive: "Drive", object_: at.Address, milliseconds: int
+    drive: "Drive", object_: Address, milliseconds: int
 ) -> None:
     with_brake(drive)
     drive.write(object_, milliseconds)
     drive.enable(mode=-3)
     drive.run(100)
     # Someone turns the shaft, and no regulator may say how much current that takes.
-    drive.write(at.Address(0x2101, 1), 0)
+    drive.write(Address(0x2101, 1), 0)
     drive.write(at.OUTPUT_CURRENT_LIMIT, 0)
     drive.plant.load[0] = 0.002
     drive.run(50)
@@ -229,7 +231,7 @@ def test_a_reset_closes_the_brake(drive: "Drive") -> None:
 def test_without_a_brake_nothing_waits(drive: "Drive") -> None:
     drive.write(RISE_TIME, 1000)
     drive.write(FALL_TIME, 1000)
-    drive.write(at.TARGET_VELOCITY, 3000)
+    drive.write(od.TARGET_VELOCITY, 3000)
     drive.enable(mode=3)
     drive.run(2)
     assert drive.axis.velocity_demand > 0

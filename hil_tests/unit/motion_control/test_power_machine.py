@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from emulators.epos2.control.power_states import TRANSITIONS, Delays
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import PowerState, state_of
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.cia402 import PowerState, state_of
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.rows import every
 
 if TYPE_CHECKING:
@@ -58,8 +59,8 @@ def lead_to(drive: "Drive", state: int) -> None:
         0x011F: (0x06, 0x07, 0x0F),
     }
     if state == 0x011F:
-        drive.write(at.MODE, 3)
-        drive.write(at.TARGET_VELOCITY, 3000)
+        drive.write(od.MODE, 3)
+        drive.write(od.TARGET_VELOCITY, 3000)
     drive.command(*path[state])
     if state in (0x0137, 0x0117, 0x4133, 0x011F):
         drive.run(3 if state == 0x4133 else 10)
@@ -111,7 +112,7 @@ def test_recorded_statusword_after_power_on(drive: "Drive") -> None:
 
 def test_bit_12_at_rest_in_profile_velocity_mode(drive: "Drive") -> None:
     # Recorded elsewhere: 0x1740. Assumed: a drive in profile velocity mode, speed = 0.
-    drive.write(at.MODE, 3)
+    drive.write(od.MODE, 3)
     assert drive.statusword == 0x1740
 
 
@@ -130,7 +131,7 @@ def test_switch_on_with_bit_3_does_two_transitions(drive: "Drive") -> None:
 
 
 def test_a_brushless_motor_shows_refresh_and_measure_init(drive: "Drive") -> None:
-    drive.write(at.MOTOR_TYPE, 10)
+    drive.write(od.MOTOR_TYPE, 10)
     drive.words.clear()
     drive.command(0x06, 0x0F)
     assert drive.axis.powered == 0
@@ -142,7 +143,7 @@ def test_a_brushless_motor_shows_refresh_and_measure_init(drive: "Drive") -> Non
 
 def test_quick_stop_active_stays_until_a_command(drive: "Drive") -> None:
     drive.enable(mode=3)
-    drive.write(at.TARGET_VELOCITY, 3000)
+    drive.write(od.TARGET_VELOCITY, 3000)
     drive.run(300)
     drive.command(0x02)
     assert drive.stands_in(PowerState.QUICK_STOP_ACTIVE)
@@ -160,19 +161,19 @@ def test_quick_stop_active_stays_until_a_command(drive: "Drive") -> None:
 @pytest.mark.parametrize(
     ("option", "word", "at_once"),
     [
-        ((at.SHUTDOWN_OPTION, 0), 0x06, True),
-        ((at.SHUTDOWN_OPTION, 1), 0x06, False),
-        ((at.DISABLE_OPTION, 0), 0x07, True),
-        ((at.DISABLE_OPTION, 1), 0x07, False),
-        ((at.DISABLE_OPTION, 1), 0x00, True),
+        ((od.SHUTDOWN_OPTION, 0), 0x06, True),
+        ((od.SHUTDOWN_OPTION, 1), 0x06, False),
+        ((od.DISABLE_OPTION, 0), 0x07, True),
+        ((od.DISABLE_OPTION, 1), 0x07, False),
+        ((od.DISABLE_OPTION, 1), 0x00, True),
     ],
 )
 def test_option_codes_slow_down_before_power_goes(
-    drive: "Drive", option: tuple[at.Address, int], word: int, *, at_once: bool
+    drive: "Drive", option: tuple[Address, int], word: int, *, at_once: bool
 ) -> None:
     drive.enable(mode=3)
     drive.write(*option)
-    drive.write(at.TARGET_VELOCITY, 3000)
+    drive.write(od.TARGET_VELOCITY, 3000)
     drive.run(300)
     drive.command(word)
     assert bool(drive.axis.powered) is not at_once
@@ -192,7 +193,7 @@ def test_option_codes_slow_down_before_power_goes(
 
 def test_a_command_during_a_slow_down_waits_for_its_end(drive: "Drive") -> None:
     drive.enable(mode=3)
-    drive.write(at.TARGET_VELOCITY, 3000)
+    drive.write(od.TARGET_VELOCITY, 3000)
     drive.run(300)
     drive.command(0x07, 0x00)
     drive.run(100)
@@ -203,10 +204,10 @@ def test_a_command_during_a_slow_down_waits_for_its_end(drive: "Drive") -> None:
 
 def test_a_node_reset_leads_back_to_the_start(drive: "Drive") -> None:
     drive.enable(mode=3)
-    drive.write(at.TARGET_VELOCITY, 3000)
+    drive.write(od.TARGET_VELOCITY, 3000)
     drive.run(300)
     drive.control.reset()
     assert not drive.axis.powered
-    assert drive.read(at.POSITION_ACTUAL) == 0
+    assert drive.read(od.POSITION_ACTUAL) == 0
     drive.run(10)
     assert drive.stands_in(PowerState.SWITCH_ON_DISABLED)

@@ -8,6 +8,8 @@ from emulators.epos2.control.motion_control import MotionControl
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.robot import Axis, CommandForm
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, Nanoseconds
@@ -20,12 +22,12 @@ WINDOW_MS = 50
 WHEELS = ("left", "right")
 
 
-def objects_of(axis: Axis) -> dict[at.Address, int | bytes]:
+def objects_of(axis: Axis) -> dict[Address, int | bytes]:
     settings = axis.epos2
     gains, profile = settings.gains, settings.profile
     return {
-        at.MODE: 3 if axis.command is CommandForm.SPEED else 1,
-        at.MOTOR_TYPE: settings.motor_type,
+        od.MODE: 3 if axis.command is CommandForm.SPEED else 1,
+        od.MOTOR_TYPE: settings.motor_type,
         at.ENCODER_PULSES: settings.encoder_lines,
         at.CURRENT_P: gains.current_p,
         at.CURRENT_I: gains.current_i,
@@ -41,12 +43,12 @@ def objects_of(axis: Axis) -> dict[at.Address, int | bytes]:
         at.CONTINUOUS_CURRENT_LIMIT: settings.continuous_current_ma,
         at.OUTPUT_CURRENT_LIMIT: settings.peak_current_ma,
         at.THERMAL_TIME_CONSTANT: settings.thermal_time_constant_100ms,
-        at.PROFILE_VELOCITY: profile.velocity_rpm,
-        at.PROFILE_ACCELERATION: profile.acceleration_rpm_s,
-        at.PROFILE_DECELERATION: profile.deceleration_rpm_s,
-        at.QUICK_STOP_DECELERATION: profile.quick_stop_rpm_s,
-        at.MAX_PROFILE_VELOCITY: profile.max_velocity_rpm,
-        at.MAX_FOLLOWING_ERROR: profile.max_following_error_qc,
+        od.PROFILE_VELOCITY: profile.velocity_rpm,
+        od.PROFILE_ACCELERATION: profile.acceleration_rpm_s,
+        od.PROFILE_DECELERATION: profile.deceleration_rpm_s,
+        od.QUICK_STOP_DECELERATION: profile.quick_stop_rpm_s,
+        od.MAX_PROFILE_VELOCITY: profile.max_velocity_rpm,
+        od.MAX_FOLLOWING_ERROR: profile.max_following_error_qc,
     }
 
 
@@ -71,14 +73,14 @@ class Rars:
         self.run(10)
         for word in (0x06, 0x07, 0x0F):
             for name in names:
-                self.write(name, at.CONTROLWORD, word)
+                self.write(name, od.CONTROLWORD, word)
         self.run(50)
 
     def _reporter(self, name: str) -> Callable[[int], None]:
         return lambda code: self.reported.append((name, code))
 
-    def write(self, name: str, address: at.Address, value: int) -> None:
-        size = 2 if address == at.CONTROLWORD else 4
+    def write(self, name: str, address: Address, value: int) -> None:
+        size = 2 if address == od.CONTROLWORD else 4
         self.stores[name].write(address, value.to_bytes(size, "little", signed=value < 0))
         self.drives[name].refresh(self.now)
 
@@ -111,13 +113,13 @@ def test_the_platform_accelerates_less_than_its_limit(
     rars: Rars, left: int, right: int, quick_stop: int
 ) -> None:
     for name, rpm in zip(WHEELS, (left, right), strict=True):
-        rars.write(name, at.TARGET_VELOCITY, rpm)
+        rars.write(name, od.TARGET_VELOCITY, rpm)
     rars.run(800)
     for name in WHEELS:
         if quick_stop:
-            rars.write(name, at.CONTROLWORD, 0x02)
+            rars.write(name, od.CONTROLWORD, 0x02)
         else:
-            rars.write(name, at.TARGET_VELOCITY, 0)
+            rars.write(name, od.TARGET_VELOCITY, 0)
     rars.run(800)
     # Thesis 2.3.1: 0.144 g.
     assert rars.largest_acceleration() < 0.144 * 9.81
@@ -128,7 +130,7 @@ def test_the_platform_accelerates_less_than_its_limit(
 def test_the_wheels_hold_their_speed(payload: float) -> None:
     rars = Rars(platform_mass=70.0 + payload)
     for name in WHEELS:
-        rars.write(name, at.TARGET_VELOCITY, 1490)
+        rars.write(name, od.TARGET_VELOCITY, 1490)
     rars.run(1000)
     # 300 mm/s; the thesis' wheel radius and gear.
     assert min(rars.speeds[-200:]) == pytest.approx(0.3, rel=0.01)
@@ -138,10 +140,10 @@ def test_the_wheels_hold_their_speed(payload: float) -> None:
 
 def test_the_wheels_are_quiet_at_rest(rars: Rars) -> None:
     for name in WHEELS:
-        rars.write(name, at.TARGET_VELOCITY, 1000)
+        rars.write(name, od.TARGET_VELOCITY, 1000)
     rars.run(500)
     for name in WHEELS:
-        rars.write(name, at.TARGET_VELOCITY, 0)
+        rars.write(name, od.TARGET_VELOCITY, 0)
     rars.run(1000)
     axis = rars.axes["left"]
     positions = []
@@ -160,15 +162,15 @@ def test_the_wheels_are_quiet_at_rest(rars: Rars) -> None:
 def test_steering_and_lift_reach_their_targets(rars: Rars, name: str, targets: tuple[int, ...]) -> None:
     for target in targets:
         way = abs(target - rars.axes[name].position)
-        rars.write(name, at.TARGET_POSITION, target)
-        rars.write(name, at.CONTROLWORD, 0x3F)
+        rars.write(name, od.TARGET_POSITION, target)
+        rars.write(name, od.CONTROLWORD, 0x3F)
         rars.run(25)
-        rars.write(name, at.CONTROLWORD, 0x0F)
+        rars.write(name, od.CONTROLWORD, 0x0F)
         rars.run(way // 20 + 500)
         seen = []
         for _ in range(100):
             rars.run(1)
             seen.append(rars.axes[name].position)
         assert max(abs(position - target) for position in seen) <= 10
-        assert rars.stores[name].get(at.STATUSWORD) & 0x0400
+        assert rars.stores[name].get(od.STATUSWORD) & 0x0400
     assert rars.reported == []

@@ -4,26 +4,21 @@ from typing import Final
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode
+from firmware_bridge.canopen.sdo_client import SdoError, SdoRefusedError, SdoTimeoutError, Transfer
 from firmware_bridge.drivers.epos2.serial.client import TRY_WITHIN, SerialClient, reading, writing
 from firmware_bridge.drivers.epos2.serial.exchange import LineExchange, Result
-from firmware_bridge.drivers.sdo_client import (
-    SdoError,
-    SdoRefusedError,
-    SdoTimeoutError,
-    Transfer,
-)
 from firmware_bridge.node import LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.abort import AbortCode
-from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon.frame import Failure, MaxonAnswer, Outcome
 from firmware_bridge.wire.maxon.messages import Done, ObjectRead, Request
 from firmware_bridge.wire.maxon.opcodes import encode_answer
 from firmware_bridge.wire.maxon.packets import command, outcome_packet
 
-READ: Final = Transfer(at.STATUSWORD)
-WRITE: Final = Transfer(at.CONTROLWORD, b"\x06\x00")
+READ: Final = Transfer(od.STATUSWORD)
+WRITE: Final = Transfer(od.CONTROLWORD, b"\x06\x00")
 
 
 class Desk:
@@ -46,7 +41,7 @@ def desk() -> Desk:
 
 def test_a_value_is_as_long_as_its_object(desk: Desk) -> None:
     """The two bytes behind a statusword mean nothing (EPOS Communication Guide, October 2006)."""
-    request = reading(3, at.STATUSWORD)
+    request = reading(3, od.STATUSWORD)
     assert desk.starts(READ) == (command(request, "line"),)
     desk.ends(request, MaxonAnswer(encode_answer(request, ObjectRead(0, b"\x37\x03\x10\x62"))))
     assert desk.client.take() == b"\x37\x03"
@@ -55,7 +50,7 @@ def test_a_value_is_as_long_as_its_object(desk: Desk) -> None:
 
 
 def test_a_write_carries_four_bytes(desk: Desk) -> None:
-    request = writing(3, at.CONTROLWORD, b"\x06\x00\x00\x00")
+    request = writing(3, od.CONTROLWORD, b"\x06\x00\x00\x00")
     assert desk.starts(WRITE) == (command(request, "line"),)
     desk.ends(request, MaxonAnswer(encode_answer(request, Done(0))))
     assert desk.client.take() == b""
@@ -67,11 +62,11 @@ def test_a_write_carries_four_bytes(desk: Desk) -> None:
         Failure.SILENCE,
         Failure.DAMAGED,
         Failure.GARBLED,
-        MaxonAnswer(encode_answer(reading(3, at.STATUSWORD), ObjectRead(AbortCode.TIMEOUT, bytes(4)))),
+        MaxonAnswer(encode_answer(reading(3, od.STATUSWORD), ObjectRead(AbortCode.TIMEOUT, bytes(4)))),
     ],
 )
 def test_where_no_one_answered_it_is_tried_once_more(desk: Desk, outcome: Outcome) -> None:
-    request = reading(3, at.STATUSWORD)
+    request = reading(3, od.STATUSWORD)
     desk.starts(READ)
     assert desk.ends(request, outcome, SECOND) == (command(request, "line"),)
     assert desk.ends(request, outcome, 2 * SECOND) == ()
@@ -82,7 +77,7 @@ def test_where_no_one_answered_it_is_tried_once_more(desk: Desk, outcome: Outcom
 
 
 def test_a_refusal_is_not_tried_again(desk: Desk) -> None:
-    request = reading(3, at.STATUSWORD)
+    request = reading(3, od.STATUSWORD)
     desk.starts(READ)
     refusal = MaxonAnswer(encode_answer(request, ObjectRead(AbortCode.NO_OBJECT, bytes(4))))
     assert desk.ends(request, refusal) == ()
@@ -92,16 +87,16 @@ def test_a_refusal_is_not_tried_again(desk: Desk) -> None:
 
 
 def test_an_answer_too_short_to_be_one_is_no_answer(desk: Desk) -> None:
-    request = reading(3, at.STATUSWORD)
-    desk.starts(Transfer(at.STATUSWORD, attempts=1))
+    request = reading(3, od.STATUSWORD)
+    desk.starts(Transfer(od.STATUSWORD, attempts=1))
     desk.ends(request, MaxonAnswer(b"\0\0"))
     assert isinstance(desk.client.take(), SdoTimeoutError)
 
 
 def test_many_attempts_end_with_the_time_for_them(desk: Desk) -> None:
     """Each one that goes through the gateway holds up the whole line for half a second."""
-    request = reading(3, at.STATUSWORD)
-    desk.starts(Transfer(at.STATUSWORD, attempts=10))
+    request = reading(3, od.STATUSWORD)
+    desk.starts(Transfer(od.STATUSWORD, attempts=10))
     requested, now = 1, 0
     while desk.client.busy:
         now += 500 * MILLISECOND
@@ -120,9 +115,9 @@ def test_a_canceled_transfer_has_no_outcome_and_the_next_may_begin(desk: Desk) -
     desk.starts(WRITE)
     desk.client.cancel()
     assert desk.starts(READ) == ()
-    request = writing(3, at.CONTROLWORD, b"\x06\x00\x00\x00")
+    request = writing(3, od.CONTROLWORD, b"\x06\x00\x00\x00")
     assert desk.ends(request, MaxonAnswer(encode_answer(request, Done(0)))) == (
-        command(reading(3, at.STATUSWORD), "line"),
+        command(reading(3, od.STATUSWORD), "line"),
     )
     assert desk.client.take() is None
 

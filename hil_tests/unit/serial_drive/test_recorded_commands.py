@@ -8,12 +8,12 @@ from typing import Final
 
 import pytest
 
+from firmware_bridge.canopen import objects as od
 from firmware_bridge.drivers.epos2.serial.client import reading, writing
 from firmware_bridge.drivers.epos2.serial.line import MaxonLine
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot_types import find
-from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon.frame import Generation
 from firmware_bridge.wire.maxon.messages import Request, SendNmtService
 from firmware_bridge.wire.maxon.packets import command
@@ -23,22 +23,22 @@ LINE: Final = "line"
 V1, V2 = Generation.V1, Generation.V2
 
 COMMANDS: Final = (
-    (V1, reading(2, at.DEVICE_TYPE), "10 01 00 10 00 02 10 CD"),
-    (V2, reading(2, at.DEVICE_TYPE), "90 02 10 02 00 10 00 02 DF F2"),
-    (V2, writing(0, at.CONTROLWORD, b"\x06\x00"), "90 02 11 04 40 60 00 00 06 00 00 00 1C F7"),
-    (V2, writing(0, at.CONTROLWORD, b"\x0f\x00"), "90 02 11 04 40 60 00 00 0F 00 00 00 8D 69"),
-    (V2, writing(0, at.CONTROLWORD, b"\x0f\x01"), "90 02 11 04 40 60 00 00 0F 01 00 00 39 1F"),
-    (V2, writing(0, at.CONTROLWORD, b"\x00\x00"), "90 02 11 04 40 60 00 00 00 00 00 00 BC 45"),
-    (V2, writing(0, at.CONTROLWORD, b"\x3f\x00"), "90 02 11 04 40 60 00 00 3F 00 00 00 28 AC"),
+    (V1, reading(2, od.DEVICE_TYPE), "10 01 00 10 00 02 10 CD"),
+    (V2, reading(2, od.DEVICE_TYPE), "90 02 10 02 00 10 00 02 DF F2"),
+    (V2, writing(0, od.CONTROLWORD, b"\x06\x00"), "90 02 11 04 40 60 00 00 06 00 00 00 1C F7"),
+    (V2, writing(0, od.CONTROLWORD, b"\x0f\x00"), "90 02 11 04 40 60 00 00 0F 00 00 00 8D 69"),
+    (V2, writing(0, od.CONTROLWORD, b"\x0f\x01"), "90 02 11 04 40 60 00 00 0F 01 00 00 39 1F"),
+    (V2, writing(0, od.CONTROLWORD, b"\x00\x00"), "90 02 11 04 40 60 00 00 00 00 00 00 BC 45"),
+    (V2, writing(0, od.CONTROLWORD, b"\x3f\x00"), "90 02 11 04 40 60 00 00 3F 00 00 00 28 AC"),
     (
         V2,
-        writing(0, at.PROFILE_VELOCITY, (2500).to_bytes(4, "little")),
+        writing(0, od.PROFILE_VELOCITY, (2500).to_bytes(4, "little")),
         "90 02 11 04 81 60 00 00 C4 09 00 00 88 82",
     ),
-    (V1, reading(1, at.STATUSWORD), "10 01 41 60 00 01 AB F0"),
-    (V2, reading(1, at.STATUSWORD), "90 02 10 02 41 60 00 01 64 CF"),
-    (V1, writing(1, at.CONTROLWORD, b"\x06\x00"), "11 03 40 60 00 01 06 00 00 00 C3 71"),
-    (V2, writing(1, at.CONTROLWORD, b"\x06\x00"), "90 02 11 04 40 60 00 01 06 00 00 00 BC B2"),
+    (V1, reading(1, od.STATUSWORD), "10 01 41 60 00 01 AB F0"),
+    (V2, reading(1, od.STATUSWORD), "90 02 10 02 41 60 00 01 64 CF"),
+    (V1, writing(1, od.CONTROLWORD, b"\x06\x00"), "11 03 40 60 00 01 06 00 00 00 C3 71"),
+    (V2, writing(1, od.CONTROLWORD, b"\x06\x00"), "90 02 11 04 40 60 00 01 06 00 00 00 BC B2"),
     (V1, SendNmtService(0, 1), "0E 01 00 00 01 00 D3 3A"),
     (V2, SendNmtService(0, 1), "90 02 0E 02 00 00 01 00 C9 54"),
 )
@@ -75,7 +75,7 @@ def test_a_command_is_the_recorded_bytes(generation: Generation, request_: Reque
 
 def test_the_recorded_dialogue_on_rs232() -> None:
     """Application Notes p. 11-166, with the handshake of the guide."""
-    node = Asking(reading(2, at.DEVICE_TYPE))
+    node = Asking(reading(2, od.DEVICE_TYPE))
     line = MaxonLine(node, V1, LINE)
     assert stated(line.wake(0)) == b"\x10"
     assert stated(line.receive(Packet(LINE, 0, b"\x4f"), 1)) == bytes.fromhex("01 00 10 00 02 10 CD")
@@ -88,7 +88,7 @@ def test_the_recorded_dialogue_on_rs232() -> None:
 
 def test_the_recorded_exchange_on_usb() -> None:
     """Application Notes p. 11-164."""
-    node = Asking(reading(2, at.DEVICE_TYPE))
+    node = Asking(reading(2, od.DEVICE_TYPE))
     line = MaxonLine(node, V2, LINE)
     line.wake(0)
     line.receive(Packet(LINE, 0, bytes.fromhex("90 02 00 04 00 00 00 00 92 01 02 00 9A ED")), 1)
@@ -111,6 +111,6 @@ def test_a_whole_start_up_states_them(generation: Generation) -> None:
     one.runs(2.5)
     one.rig.finish()
     for spoken, request, wire in COMMANDS:
-        if spoken is generation and request in (reading(2, at.DEVICE_TYPE), reading(1, at.STATUSWORD)):
+        if spoken is generation and request in (reading(2, od.DEVICE_TYPE), reading(1, od.STATUSWORD)):
             opcode = 1 if generation is V1 else 0  # on RS232 its handshake stands in between
             assert bytes.fromhex(wire)[opcode:] in stream

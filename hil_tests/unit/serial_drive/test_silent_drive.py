@@ -4,6 +4,7 @@ from typing import Final
 
 import pytest
 
+from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.drivers.driver import Stop
 from firmware_bridge.drivers.epos2.serial.drive import Epos2OnSerial
 from firmware_bridge.drivers.epos2.serial.exchange import LineExchange, Rank
@@ -11,7 +12,6 @@ from firmware_bridge.drivers.epos2.serial.feedback import ERROR_REGISTER, POSITI
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import find
-from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.maxon.frame import MaxonAnswer
 from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, WriteObject
 from firmware_bridge.wire.maxon.opcodes import encode_answer

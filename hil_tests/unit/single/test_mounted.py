@@ -15,13 +15,14 @@ from emulators.mounted import Mounted, ShaftLoad
 from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire
 from emulators.world import World
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.cli import program
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.runtime.data_sheets import SheetError, configured
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from hil_tests.rows import every
 from hil_tests.unit.world.players import Player
@@ -29,7 +30,7 @@ from hil_tests.unit.world.players import Player
 RE_40: Final = motor("148867")
 EC_45: Final = motor("397172")
 POLE_PAIRS: Final = Address(0x6410, 3)
-BRUSHED: Final = {at.MOTOR_TYPE: 1}
+BRUSHED: Final = {od.MOTOR_TYPE: 1}
 RPM: Final = 600
 
 
@@ -46,7 +47,7 @@ def turned(mounted: Mounted, settings: dict[Address, int]) -> Came:
     warnings: list[str] = []
     made, bank = drives(DrivesOrder((1,), PROFILES["70/10"], 1_000_000, mounted=mounted), warnings.append)
     world, wire = World(bank), CanWire(1_000_000)
-    writes = [(0x000, "0100"), *(_write(*each) for each in (settings | {at.MODE: 3}).items())]
+    writes = [(0x000, "0100"), *(_write(*each) for each in (settings | {od.MODE: 3}).items())]
     writes += [(0x201, "0600"), (0x201, "0F00"), (0x501, "0F00" + RPM.to_bytes(4, "little").hex())]
     packets = [Packet(CAN, address, bytes.fromhex(text)) for address, text in writes]
     master = Player(*((SECOND // 10 + SECOND // 50 * k, packet) for k, packet in enumerate(packets)))
@@ -117,21 +118,21 @@ def test_a_wrong_sign_runs_away_until_a_limit_trips() -> None:
 def test_an_ec_motor_turns_where_the_drive_is_set_up_for_it(
     kind: int, pairs: int, codes: list[int], rpm: int, states: str
 ) -> None:
-    came = turned(Mounted(motor=EC_45), {at.MOTOR_TYPE: kind, POLE_PAIRS: pairs})
+    came = turned(Mounted(motor=EC_45), {od.MOTOR_TYPE: kind, POLE_PAIRS: pairs})
     assert came.codes == codes
     assert came.rpm == pytest.approx(rpm, rel=0.03, abs=1.0)
     assert came.warnings == ([f"node 1: {states}"] if states else [])
 
 
 def test_a_brushed_motor_shows_no_hall_sensors() -> None:
-    came = turned(Mounted(motor=RE_40), {at.MOTOR_TYPE: 10, POLE_PAIRS: 1})
+    came = turned(Mounted(motor=RE_40), {od.MOTOR_TYPE: 10, POLE_PAIRS: 1})
     assert came.codes == [0xFF04], "hall sensor not found"
     assert came.warnings == ["node 1: 0x6402 is motor type 10, a brushed motor is mounted (--motor)"]
 
 
 def test_what_is_no_particular_motor_is_right_with_any_type() -> None:
     for kind in (1, 10):
-        came = turned(Mounted(), {at.MOTOR_TYPE: kind})
+        came = turned(Mounted(), {od.MOTOR_TYPE: kind})
         assert (came.codes, came.warnings) == ([], [])
         assert came.rpm == pytest.approx(RPM, rel=0.02)
 
@@ -218,13 +219,13 @@ def test_an_ambiguous_name_lists_the_motors_that_have_it() -> None:
 
 
 def test_a_configuration_file_is_what_the_drive_begins_with(tmp_path: Path) -> None:
-    values: dict[Address, int | bytes] = {at.MOTOR_TYPE: 1, at.ENCODER_PULSES: 1024, at.CURRENT_P: 321}
-    values |= {Address(0x2210, 4): 1, at.STATUSWORD: 0x40, Address(0x1400, 1): 0x209}
+    values: dict[Address, int | bytes] = {od.MOTOR_TYPE: 1, at.ENCODER_PULSES: 1024, at.CURRENT_P: 321}
+    values |= {Address(0x2210, 4): 1, od.STATUSWORD: 0x40, Address(0x1400, 1): 0x209}
     file = tmp_path / "drive.dcf"
     file.write_text(dcf(PROFILES["70/10"], 5, 1_000_000, values), encoding="ascii")
     read = configured(file).values
-    assert {key: read[key] for key in values if key != at.STATUSWORD} == {
-        key: value for key, value in values.items() if key != at.STATUSWORD
+    assert {key: read[key] for key in values if key != od.STATUSWORD} == {
+        key: value for key, value in values.items() if key != od.STATUSWORD
     }
     made, _ = drives(
         DrivesOrder(
@@ -236,7 +237,7 @@ def test_a_configuration_file_is_what_the_drive_begins_with(tmp_path: Path) -> N
     )
     drive = made["motor5"]
     drive.wake(0)
-    assert [drive.store.get(key) for key in (at.MOTOR_TYPE, at.ENCODER_PULSES, at.CURRENT_P)] == [
+    assert [drive.store.get(key) for key in (od.MOTOR_TYPE, at.ENCODER_PULSES, at.CURRENT_P)] == [
         1,
         1024,
         321,

@@ -3,18 +3,18 @@
 from collections import deque
 from typing import Final
 
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen.sdo_client import NodeClient
 from firmware_bridge.drivers.driver import SetPoint, Speed, Task
 from firmware_bridge.drivers.epos2.can.feedback import CanFeedback
 from firmware_bridge.drivers.epos2.drive import Epos2Drive
 from firmware_bridge.drivers.epos2.inputs_outputs import ObjectRequest
 from firmware_bridge.drivers.epos2.process_data import BRAKING, BRAKING_COB_ID
 from firmware_bridge.drivers.epos2.setup import configuration
-from firmware_bridge.drivers.sdo_client import NodeClient
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, Output
 from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire import canopen
 
 
 class Epos2OnCan(Epos2Drive[CanFeedback]):
@@ -26,7 +26,7 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
         """Take the axis, its link, and what is switched at its drive."""
         self._client: Final = NodeClient(axis.link, axis.epos2.node)
         super().__init__(axis, CanFeedback(axis), self._client, configuration(axis, link, outputs))
-        self._answers: Final = canopen.SDO_RESPONSE + axis.epos2.node
+        self._answers: Final = cia301.SDO_RESPONSE + axis.epos2.node
         """Identifier of its SDO server's answers."""
         self._braking: Final = BRAKING_COB_ID + axis.epos2.node
         self.wake_at: Nanoseconds = NEVER

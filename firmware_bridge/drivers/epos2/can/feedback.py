@@ -1,5 +1,7 @@
 """One EPOS2's frames to what it has sent. Frames that make no sense are ignored: a bus is a public place."""
 
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen.cia301 import NODE_MASK, NmtState
 from firmware_bridge.drivers.epos2.feedback import DriveFeedback
 from firmware_bridge.drivers.epos2.process_data import (
     POSITION,
@@ -12,8 +14,6 @@ from firmware_bridge.drivers.epos2.process_data import (
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.canopen import NODE_MASK, NmtState
 
 
 class CanFeedback(DriveFeedback):
@@ -26,8 +26,8 @@ class CanFeedback(DriveFeedback):
             STATUS_COB_ID: self._status,
             SAMPLE_COB_ID: self._sample,
             POSITION_COB_ID: self._position,
-            canopen.EMERGENCY: self._emergency,
-            canopen.ERROR_CONTROL: self._heartbeat,
+            cia301.EMERGENCY: self._emergency,
+            cia301.ERROR_CONTROL: self._heartbeat,
         }
 
     def synchronized(self, now: Nanoseconds) -> None:
@@ -77,12 +77,12 @@ class CanFeedback(DriveFeedback):
         self.state = self.on_statusword(statusword)
 
     def _emergency(self, payload: bytes, _now: Nanoseconds) -> None:
-        message = canopen.decode_emergency(payload)
+        message = cia301.decode_emergency(payload)
         if message is not None:
             self.fault = message.code
 
     def _heartbeat(self, payload: bytes, _now: Nanoseconds) -> None:
-        state = canopen.decode_heartbeat(payload)
+        state = cia301.decode_heartbeat(payload)
         if state is None:
             return
         # A heartbeat without Operational: the drive takes no process data and keeps its last target.

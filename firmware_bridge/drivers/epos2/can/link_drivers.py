@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from typing import Final
 
+from firmware_bridge.canopen import cia301, sdo
+from firmware_bridge.canopen.cia301 import NODE_MASK, NmtState
 from firmware_bridge.drivers.epos2.can.drive import Epos2OnCan
 from firmware_bridge.drivers.epos2.inputs_outputs import inputs_of, outputs_at, outputs_of
 from firmware_bridge.drivers.epos2.process_data import SET_POINT_COB_ID
@@ -11,8 +13,7 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire import can, canopen, sdo
-from firmware_bridge.wire.canopen import NODE_MASK, NmtState
+from firmware_bridge.wire import can
 
 ANSWERS_WITHIN: Final[Nanoseconds] = 10 * MILLISECOND
 """The drives answer a SYNC within a millisecond; later ones are not waited for."""
@@ -46,9 +47,9 @@ class CanLink:
         self.wake_at: Nanoseconds = NEVER
         self._drives = tuple(drives)
         self._by_node = {drive.axis.epos2.node: drive for drive in self._drives}
-        beat = canopen.encode_heartbeat(NmtState.OPERATIONAL)
-        self._beat = Packet(name, canopen.ERROR_CONTROL + table.bridge_node, beat)
-        self._sync = Packet(name, canopen.SYNC, b"")
+        beat = cia301.encode_heartbeat(NmtState.OPERATIONAL)
+        self._beat = Packet(name, cia301.ERROR_CONTROL + table.bridge_node, beat)
+        self._sync = Packet(name, cia301.SYNC, b"")
         self._masters = _masters(self._drives, table)
         """Identifiers that only a master sends: our own frames do not come back to us."""
         self._master: tuple[Nanoseconds, str, Packet] | None = None
@@ -85,7 +86,7 @@ class CanLink:
         drive = self._by_node.get(packet.address & NODE_MASK)
         if drive is None:
             return ()
-        if packet.address & ~NODE_MASK == canopen.SDO_REQUEST:
+        if packet.address & ~NODE_MASK == cia301.SDO_REQUEST:
             if isinstance(sdo.decode_request(packet.payload), _WRITES):
                 drive.rewritten(f"{packet.address:03X}#{packet.payload.hex().upper()}", now)
             return ()
@@ -102,11 +103,11 @@ def _masters(drives: Iterable[Epos2OnCan], table: Epos2Link) -> dict[int, str]:
     Requests for objects are not in it: an engineer may read a drive while the robot drives. His writes are
     the drive's own matter.
     """
-    beat = canopen.ERROR_CONTROL + table.bridge_node
+    beat = cia301.ERROR_CONTROL + table.bridge_node
     axes = [drive.axis for drive in drives]
     return {
-        canopen.NMT: "a network command",
-        canopen.SYNC: "SYNC",
+        cia301.NMT: "a network command",
+        cia301.SYNC: "SYNC",
         beat: f"the heartbeat of this bridge, node {table.bridge_node}",
         **{SET_POINT_COB_ID[axis.command] + axis.epos2.node: f"{axis.called} set-points" for axis in axes},
     }

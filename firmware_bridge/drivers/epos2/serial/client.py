@@ -6,12 +6,12 @@ Both commands may be repeated: reading changes nothing, and writing the same val
 from collections.abc import Callable
 from typing import Final
 
+from firmware_bridge.canopen.abort import AbortCode
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.sdo_client import Outcome, SdoRefusedError, SdoTimeoutError, Transfer
 from firmware_bridge.drivers.epos2.serial.exchange import Job, LineExchange, Rank, Result, succeeded
-from firmware_bridge.drivers.sdo_client import Outcome, SdoRefusedError, SdoTimeoutError, Transfer
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire.abort import AbortCode
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.maxon.frame import Failure
 from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, Request, WriteObject

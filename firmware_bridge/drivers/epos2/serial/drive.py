@@ -7,6 +7,10 @@ makes it count. A set-point that has not wholly left when the next one comes is 
 from collections.abc import Callable
 from typing import Final
 
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.drivers.driver import SetPoint, Task
 from firmware_bridge.drivers.epos2.drive import Epos2Drive
 from firmware_bridge.drivers.epos2.feedback import FAULT_STATES
@@ -37,13 +41,9 @@ from firmware_bridge.drivers.epos2.tasks import NEWEST_ERROR
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis, CommandForm
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.rows import DataType
 from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, Request, SendNmtService, WriteObject
 
-TARGET: Final = {CommandForm.SPEED: at.TARGET_VELOCITY, CommandForm.POSITION: at.TARGET_POSITION}
+TARGET: Final = {CommandForm.SPEED: od.TARGET_VELOCITY, CommandForm.POSITION: od.TARGET_POSITION}
 _NEWEST_ERROR: Final = ReadRow(NEWEST_ERROR, DataType.UNSIGNED32, "newest error")
 RECEIVED_BEATS: Final = 3
 """Heartbeats after which a drive has begun to watch; it does so at the first that it receives (CiA 301)."""
@@ -72,7 +72,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
             within=link.bridge_silent_ms * MILLISECOND + NOTICED_CYCLES * link.every * robot.cycle,
         )
         rows = configuration(axis, link, outputs_at(robot, axis), traffic)
-        self._watch = next(row for row in rows if row.address == at.CONSUMER_HEARTBEAT_1)
+        self._watch = next(row for row in rows if row.address == od.CONSUMER_HEARTBEAT_1)
         """The part of its set-up that is in memory alone: a restart loses it."""
         super().__init__(
             axis,
@@ -216,7 +216,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         """Turn what the CAN driver would send into jobs."""
         node = self._axis.epos2.node
         for frame in frames:
-            if frame.address == canopen.NMT:
+            if frame.address == cia301.NMT:
                 self._exchange.put(Job(Rank.TASK, self, (SendNmtService(node, frame.payload[0]),)))
             else:
                 self._write(frame.payload)
@@ -231,7 +231,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         writes: list[Request] = []
         if axis.command is CommandForm.SPEED or taken.get(address) != int.from_bytes(raw, "little"):
             writes.append(writing(axis.epos2.node, address, raw))
-        if word == NEW_POSITION and taken.get(at.CONTROLWORD, NEW_POSITION) == NEW_POSITION:
+        if word == NEW_POSITION and taken.get(od.CONTROLWORD, NEW_POSITION) == NEW_POSITION:
             # The drive takes a position at the bit's rising edge, and the bit may be set.
             writes.append(self._word(ENABLE))
         # An answer that does not come keeps the line for long.
@@ -241,7 +241,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         self._exchange.put(self._writes)
 
     def _word(self, controlword: int) -> WriteObject:
-        return writing(self._axis.epos2.node, at.CONTROLWORD, DataType.UNSIGNED16.encode(controlword))
+        return writing(self._axis.epos2.node, od.CONTROLWORD, DataType.UNSIGNED16.encode(controlword))
 
     def _forget_unsent(self) -> None:
         """Drop what has not left of the newest set-point; what the drive holds then is not known."""

@@ -7,15 +7,16 @@ cycle; the rest takes turns, so that no cycle has more of it than one object.
 from dataclasses import dataclass
 from typing import Final
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import Status, state_of
+from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.drivers.epos2.feedback import DriveFeedback
 from firmware_bridge.drivers.epos2.scale import wrapped
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire.cia402 import Status, state_of
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.rows import DataType
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,11 +38,11 @@ class ReadRow:
         return (cycle - self.phase - place * self.step) % self.every == 0
 
 
-POSITION: Final = ReadRow(at.POSITION_ACTUAL, DataType.INTEGER32, "position")
-STATUSWORD: Final = ReadRow(at.STATUSWORD, DataType.UNSIGNED16, "statusword")
+POSITION: Final = ReadRow(od.POSITION_ACTUAL, DataType.INTEGER32, "position")
+STATUSWORD: Final = ReadRow(od.STATUSWORD, DataType.UNSIGNED16, "statusword")
 CURRENT: Final = ReadRow(at.CURRENT_AVERAGED, DataType.INTEGER16, "current", every=8, step=2)
 ERROR_REGISTER: Final = ReadRow(
-    at.ERROR_REGISTER, DataType.UNSIGNED8, "error register", every=20, phase=1, step=2
+    od.ERROR_REGISTER, DataType.UNSIGNED8, "error register", every=20, phase=1, step=2
 )
 
 IN_EVERY_CYCLE: Final = (POSITION, STATUSWORD)

@@ -8,15 +8,15 @@ the answers of another drive to node guarding, which come only as long as the br
 from collections.abc import Iterable, Sequence
 from typing import Final
 
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.drivers.epos2.serial.drive import Epos2OnSerial
 from firmware_bridge.drivers.epos2.serial.exchange import Job, LineExchange, Rank, Result
 from firmware_bridge.drivers.epos2.serial.feedback import IN_EVERY_CYCLE, IN_TURN
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire import canopen
 from firmware_bridge.wire.can import MAX_PAYLOAD
-from firmware_bridge.wire.canopen import NmtState
 from firmware_bridge.wire.maxon.messages import Request, RequestCanFrame, SendCanFrame
 
 LOST: Final = "the serial line to the drives is gone"
@@ -24,14 +24,14 @@ LOST: Final = "the serial line to the drives is gone"
 
 def heartbeat(link: Epos2Link) -> SendCanFrame:
     """Return the command that puts the bridge's heartbeat on the bus."""
-    beat = canopen.encode_heartbeat(NmtState.OPERATIONAL)
-    own = canopen.ERROR_CONTROL + link.bridge_node
+    beat = cia301.encode_heartbeat(NmtState.OPERATIONAL)
+    own = cia301.ERROR_CONTROL + link.bridge_node
     return SendCanFrame(own, len(beat), beat.ljust(MAX_PAYLOAD, b"\0"))
 
 
 def guarding(link: Epos2Link, nodes: Sequence[int]) -> RequestCanFrame:
     """Return the command that has the guardian say what the gateway watches."""
-    return RequestCanFrame(canopen.ERROR_CONTROL + link.guardian(nodes), 1)
+    return RequestCanFrame(cia301.ERROR_CONTROL + link.guardian(nodes), 1)
 
 
 class SerialLink:

@@ -10,6 +10,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.drivers.epos2.serial.client import reading, writing
 from firmware_bridge.drivers.epos2.serial.drive import TARGET
 from firmware_bridge.drivers.epos2.serial.feedback import IN_EVERY_CYCLE, IN_TURN, ReadRow
@@ -18,7 +20,6 @@ from firmware_bridge.robot import AnyRobot, Axis, CommandForm
 from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.functions import OUTPUT_STATE
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.maxon.frame import ANSWER, Frame, Generation, encode_v1, encode_v2
@@ -189,7 +190,7 @@ def _written(link: Epos2Link, axis: Axis) -> Iterator[LineCommand]:
     )
     for word in WORDS[axis.command]:
         yield LineCommand(
-            f"{word} of {axis.called}", _through(link, axis, writing(node, at.CONTROLWORD, b""))
+            f"{word} of {axis.called}", _through(link, axis, writing(node, od.CONTROLWORD, b""))
         )
 
 

@@ -4,6 +4,7 @@ No power is on then. On CAN the watch rests on what maxon documents; behind a se
 gateway, on more than that, and no bridge shall move a robot on an assumption.
 """
 
+from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.drivers.driver import StartupError
 from firmware_bridge.drivers.epos2.feedback import FAULT_STATES, DriveFeedback
 from firmware_bridge.drivers.epos2.steps import pause, read
@@ -12,7 +13,6 @@ from firmware_bridge.drivers.script_runner import Do, Script, Until
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.epos2.emergency import CONNECTION_LOST
-from firmware_bridge.wire.epos2.rows import DataType
 
 _CODE = 0xFFFF
 

@@ -7,9 +7,9 @@ import pytest
 
 from emulators.servo.axis_faults import SensorWires
 from emulators.servo.winding import set_winding
-from firmware_bridge.wire.cia402 import PowerState
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES, FaultReaction
 from hil_tests.unit.motion_control.conftest import STEERING, into_the_supply
 
@@ -35,7 +35,7 @@ def drive(drive: "Drive") -> "Drive":
 def moving(drive: "Drive", rpm: int = 3000) -> None:
     drive.enable(mode=3)
     drive.run(20)
-    drive.write(at.TARGET_VELOCITY, rpm)
+    drive.write(od.TARGET_VELOCITY, rpm)
     drive.run(300)
 
 

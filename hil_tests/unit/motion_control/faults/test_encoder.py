@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from emulators.servo.axis_faults import AxisFaults, IndexPulse, SensorWires
+from firmware_bridge.canopen import objects as od
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.motion_control.faults.conftest import (
     DENOMINATOR,
@@ -49,7 +50,7 @@ def test_supervision_of_the_position_sensor_can_be_switched_off(drive: "Drive") 
     drive.write(MISCELLANEOUS, 1)
     drive.enable(mode=1)
     AxisFaults(drive.axis).wires(SensorWires(broken=True))
-    drive.write(at.TARGET_POSITION, 20_000)
+    drive.write(od.TARGET_POSITION, 20_000)
     drive.command(0x1F)
     drive.runs_until(lambda: bool(drive.reported))
     assert drive.reported == [0x8611]
@@ -91,7 +92,7 @@ def test_counts_that_get_lost_do_not_fit_the_resolution(drive: "Drive") -> None:
 def test_a_pulse_number_that_is_not_the_encoder_s(drive: "Drive") -> None:
     drive.write(at.ENCODER_PULSES, 400)
     drive.enable(mode=3)
-    drive.write(at.TARGET_VELOCITY, 1000)
+    drive.write(od.TARGET_VELOCITY, 1000)
     falls(drive, 0xFF03, within_ms=300)
 
 
@@ -100,7 +101,7 @@ def test_a_pulse_number_that_is_not_the_encoder_s(drive: "Drive") -> None:
 def test_an_encoder_that_counts_against_the_motor(drive: "Drive", rpm: int) -> None:
     drive.enable(mode=3)
     AxisFaults(drive.axis).wires(SensorWires(swapped=True))
-    drive.write(at.TARGET_VELOCITY, rpm)
+    drive.write(od.TARGET_VELOCITY, rpm)
     falls(drive, 0xFF11, within_ms=1000)
     assert resets(drive)
 
@@ -109,7 +110,7 @@ def test_an_encoder_that_counts_against_the_motor(drive: "Drive", rpm: int) -> N
 def test_a_wrong_polarity_is_as_bad_as_swapped_channels_and_makes_up_for_them(drive: "Drive") -> None:
     drive.write(POLARITY, 1)
     drive.enable(mode=3)
-    drive.write(at.TARGET_VELOCITY, 3000)
+    drive.write(od.TARGET_VELOCITY, 3000)
     falls(drive, 0xFF11, within_ms=1000)
     assert resets(drive)
     drive.run(2000)
@@ -124,7 +125,7 @@ def test_a_wrong_polarity_is_as_bad_as_swapped_channels_and_makes_up_for_them(dr
 def test_a_load_that_wins_is_no_wrong_direction(drive: "Drive") -> None:
     drive.enable(mode=3)
     drive.plant.load[0] = -0.15
-    drive.write(at.TARGET_VELOCITY, 1000)
+    drive.write(od.TARGET_VELOCITY, 1000)
     drive.run(400)
     assert drive.rpm < -1000
     assert drive.reported == []
@@ -135,12 +136,12 @@ def test_an_auxiliary_encoder_that_counts_against_the_main_one(drive: "Drive") -
     for address, value in ((STRUCTURE, 1), (NUMERATOR, 1), (DENOMINATOR, 1)):
         drive.write(address, value)
     moving(drive)
-    drive.write(at.TARGET_VELOCITY, 0)
+    drive.write(od.TARGET_VELOCITY, 0)
     drive.run(300)
     drive.command(0)
     AxisFaults(drive.axis).wires(SensorWires(auxiliary_swapped=True))
     drive.enable(mode=3)
-    drive.write(at.TARGET_VELOCITY, 1000)
+    drive.write(od.TARGET_VELOCITY, 1000)
     falls(drive, 0xFF12, within_ms=150)
 
 

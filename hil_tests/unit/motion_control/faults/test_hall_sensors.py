@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from emulators.servo.axis_faults import AxisFaults, SensorWires
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from hil_tests.unit.motion_control.conftest import SETTINGS
 from hil_tests.unit.motion_control.faults.conftest import (
     BLOCK,
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def brushless(drive: "Drive", motor: int = BLOCK) -> None:
-    drive.write(at.MOTOR_TYPE, motor)
+    drive.write(od.MOTOR_TYPE, motor)
 
 
 @pytest.mark.parametrize("wires", [SensorWires(hall_high=(1, 2, 3)), SensorWires(hall_low=(2,))])
@@ -65,7 +65,7 @@ def test_a_rotor_angle_that_does_not_fit_the_hall_sensors(drive: "Drive", wrong:
         AxisFaults(drive.axis).motor(pole_pairs=3)
         drive.enable(mode=3)
         drive.run(20)
-        drive.write(at.TARGET_VELOCITY, 1000)
+        drive.write(od.TARGET_VELOCITY, 1000)
     else:
         moving(drive)
         assert drive.reported == []
@@ -86,7 +86,7 @@ def test_a_brushless_motor_that_is_sound_turns_both_ways(drive: "Drive", motor: 
 
 
 def test_a_brushed_motor_has_no_hall_sensors(drive: "Drive") -> None:
-    assert SETTINGS[at.MOTOR_TYPE] == 1
+    assert SETTINGS[od.MOTOR_TYPE] == 1
     AxisFaults(drive.axis).wires(SensorWires(hall_high=(1, 2, 3)))
     moving(drive)
     assert drive.reported == []

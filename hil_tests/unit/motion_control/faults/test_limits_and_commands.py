@@ -4,9 +4,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from firmware_bridge.wire.cia402 import PowerState
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 from hil_tests.unit.motion_control.faults.conftest import (
     DENOMINATOR,
     NUMERATOR,
@@ -24,38 +25,38 @@ if TYPE_CHECKING:
 @pytest.mark.parametrize("rpm", [1000, -1000])
 @pytest.mark.emergency(0xFF09)
 def test_a_shaft_that_runs_past_its_limit_is_stopped_and_may_come_back(drive: "Drive", rpm: int) -> None:
-    drive.write(at.MIN_POSITION_LIMIT, -3000)
-    drive.write(at.MAX_POSITION_LIMIT, 3000)
+    drive.write(od.MIN_POSITION_LIMIT, -3000)
+    drive.write(od.MAX_POSITION_LIMIT, 3000)
     drive.enable(mode=3)
-    drive.write(at.TARGET_VELOCITY, rpm)
+    drive.write(od.TARGET_VELOCITY, rpm)
     falls(drive, 0xFF09, within_ms=200)
     assert 3000 < abs(drive.axis.position) < 3700
-    drive.write(at.TARGET_VELOCITY, 0)
+    drive.write(od.TARGET_VELOCITY, 0)
     assert resets(drive)
     drive.enable()
     drive.run(100)
-    drive.write(at.TARGET_VELOCITY, -rpm)
+    drive.write(od.TARGET_VELOCITY, -rpm)
     drive.run(100)
     assert drive.reported == [0xFF09, 0]
     assert abs(drive.axis.position) < 3000
-    drive.write(at.TARGET_VELOCITY, rpm)
+    drive.write(od.TARGET_VELOCITY, rpm)
     drive.run(300)
     assert drive.reported == [0xFF09, 0, 0xFF09]
 
 
 def test_a_shaft_beyond_its_limit_is_not_driven_further(drive: "Drive") -> None:
     moving(drive)
-    drive.write(at.TARGET_VELOCITY, 0)
+    drive.write(od.TARGET_VELOCITY, 0)
     drive.run(300)
-    drive.write(at.MAX_POSITION_LIMIT, 1000)
+    drive.write(od.MAX_POSITION_LIMIT, 1000)
     drive.run(50)
     assert drive.reported == []
-    drive.write(at.TARGET_VELOCITY, 100)
+    drive.write(od.TARGET_VELOCITY, 100)
     falls(drive, 0xFF09, within_ms=20)
 
 
 def test_a_move_to_the_very_limit_is_no_fault_by_its_overshoot(drive: "Drive") -> None:
-    drive.write(at.MAX_POSITION_LIMIT, 1000)
+    drive.write(od.MAX_POSITION_LIMIT, 1000)
     drive.enable(mode=-1)
     furthest = 0
     drive.write(at.POSITION_MODE_SETTING, 1000)
@@ -69,12 +70,12 @@ def test_a_move_to_the_very_limit_is_no_fault_by_its_overshoot(drive: "Drive") -
 @pytest.mark.emergency(0x6320)
 def test_a_target_too_far_for_a_low_velocity_contradicts_itself(drive: "Drive") -> None:
     drive.enable(mode=1)
-    drive.write(at.PROFILE_VELOCITY, 1)
-    drive.write(at.TARGET_POSITION, 2_000_000_000)
+    drive.write(od.PROFILE_VELOCITY, 1)
+    drive.write(od.TARGET_POSITION, 2_000_000_000)
     drive.command(0x1F)
     fell(drive, 0x6320)
     assert drive.axis.position == pytest.approx(0, abs=5)
-    drive.write(at.PROFILE_VELOCITY, 3000)
+    drive.write(od.PROFILE_VELOCITY, 3000)
     assert resets(drive)
     drive.enable()
     drive.command(0x1F)
@@ -86,9 +87,9 @@ def test_a_target_too_far_for_a_low_velocity_contradicts_itself(drive: "Drive") 
 def test_a_master_that_floods_the_drive_with_targets_overloads_it(drive: "Drive") -> None:
     moving(drive)
     for rpm in range(8):
-        drive.write(at.TARGET_VELOCITY, 3000 + rpm)
+        drive.write(od.TARGET_VELOCITY, 3000 + rpm)
     assert drive.reported == []
-    drive.write(at.TARGET_VELOCITY, 3000)
+    drive.write(od.TARGET_VELOCITY, 3000)
     assert drive.stands_in(PowerState.FAULT)
     fell(drive, 0xFF0B)
     assert resets(drive)

@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from firmware_bridge.wire.cia402 import PowerState
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.motion_control.faults.conftest import RESET, moving
 
@@ -45,7 +46,7 @@ def test_fault_reset_needs_a_rising_edge_and_a_cause_that_is_gone(drive: "Drive"
     assert drive.stands_in(PowerState.SWITCH_ON_DISABLED)
     assert drive.reported == [0x3220, 0x0000]
     drive.command(0)
-    assert drive.statusword == 0x1740 if drive.read(at.MODE) == 3 else 0x0740
+    assert drive.statusword == 0x1740 if drive.read(od.MODE) == 3 else 0x0740
 
 
 def test_a_fault_that_comes_back_is_reported_again(drive: "Drive") -> None:
@@ -65,7 +66,7 @@ def test_a_fault_that_comes_back_is_reported_again(drive: "Drive") -> None:
 )
 def test_the_fault_reaction_option_chooses_the_ramp(drive: "Drive", option: int, milliseconds: int) -> None:
     moving(drive)
-    drive.write(at.FAULT_REACTION_OPTION, option)
+    drive.write(od.FAULT_REACTION_OPTION, option)
     drive.control.communication_fault(0x8210)
     if milliseconds:
         assert drive.stands_in(PowerState.FAULT_REACTION_ENABLED)
@@ -76,7 +77,7 @@ def test_the_fault_reaction_option_chooses_the_ramp(drive: "Drive", option: int,
 
 def test_signal_only_reports_and_goes_on(drive: "Drive") -> None:
     moving(drive)
-    drive.write(at.FAULT_REACTION_OPTION, -1)
+    drive.write(od.FAULT_REACTION_OPTION, -1)
     drive.control.communication_fault(0x8210)
     drive.run(100)
     assert drive.reported == [0x8210]
@@ -105,7 +106,7 @@ def test_a_lost_connection_reacts_as_0x6007_states(
     drive: "Drive", option: int, milliseconds: int, end: PowerState
 ) -> None:
     moving(drive)
-    drive.write(at.ABORT_CONNECTION_OPTION, option)
+    drive.write(od.ABORT_CONNECTION_OPTION, option)
     drive.control.connection_lost()
     assert drive.reported == [0x8130]
     assert drive.runs_until(lambda: drive.stands_in(end)) == pytest.approx(milliseconds, abs=3)
@@ -117,7 +118,7 @@ def test_a_lost_connection_reacts_as_0x6007_states(
 def test_a_shaft_that_cannot_follow_raises_the_following_error(drive: "Drive") -> None:
     drive.enable(mode=1)
     drive.plant.load[0] = -0.08
-    drive.write(at.TARGET_POSITION, 50_000)
+    drive.write(od.TARGET_POSITION, 50_000)
     drive.command(0x1F)
     drive.runs_until(lambda: bool(drive.reported))
     assert drive.reported == [0x8611]
@@ -131,10 +132,10 @@ def test_a_shaft_that_cannot_follow_raises_the_following_error(drive: "Drive") -
 
 
 def test_the_following_error_can_be_switched_off(drive: "Drive") -> None:
-    drive.write(at.MAX_FOLLOWING_ERROR, 0xFFFF_FFFF)
+    drive.write(od.MAX_FOLLOWING_ERROR, 0xFFFF_FFFF)
     drive.enable(mode=1)
     drive.plant.load[0] = -0.08
-    drive.write(at.TARGET_POSITION, 50_000)
+    drive.write(od.TARGET_POSITION, 50_000)
     drive.command(0x1F)
     drive.run(500)
     assert drive.reported == []

@@ -6,9 +6,9 @@ import pytest
 
 from emulators.epos2.modes.interpolation_buffer import BUFFER_CLEAR, OVERFLOW_LEVEL, UNDERFLOW_LEVEL
 from emulators.epos2.objects.device_profile import BUFFER_FREE, BUFFER_SIZE
-from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.cia402 import PowerState
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.cia402 import PowerState
 from hil_tests.unit.motion_control.interpolated_position.conftest import (
     ACTIVE_BIT,
     ENABLED,
@@ -43,10 +43,10 @@ def test_a_path_that_is_not_fed_stops_with_the_quick_stop_ramp(ready: "Drive") -
     ready.run(199)
     assert ready.reported == []
     fastest = 0
-    before = ready.read(at.POSITION_DEMAND)
+    before = ready.read(od.POSITION_DEMAND)
     while not ready.stands_in(PowerState.FAULT):
         ready.run(1)
-        here = ready.read(at.POSITION_DEMAND)
+        here = ready.read(od.POSITION_DEMAND)
         fastest, before = max(fastest, abs(here - before)), here
     assert ready.reported == [ERROR]
     assert status(ready) == UNDERFLOW
@@ -67,11 +67,11 @@ def test_after_an_error_the_buffer_must_be_enabled_again(ready: "Drive") -> None
     ready.command(0x80, 0x06, 0x0F)
     ready.write(BUFFER_CLEAR, 1)
     assert status(ready) == ENABLED | UNDERFLOW_WARNING
-    here = ready.read(at.POSITION_DEMAND)
+    here = ready.read(od.POSITION_DEMAND)
     feed(ready, (here, 0, 100), (here + 500, 0, 0))
     ready.command(0x1F)
     ready.run(150)
-    assert ready.read(at.POSITION_DEMAND) == here + 500
+    assert ready.read(od.POSITION_DEMAND) == here + 500
     assert ready.reported == [ERROR, 0]
 
 
@@ -106,7 +106,7 @@ def test_the_65th_record_is_an_overflow(ready: "Drive") -> None:
 
 
 def test_a_full_buffer_in_another_mode_is_no_fault(ready: "Drive") -> None:
-    ready.write(at.MODE, 1)
+    ready.write(od.MODE, 1)
     feed(ready, *[(0, 0, 10)] * 64)
     with pytest.raises(SdoAbort):
         feed(ready, (0, 0, 10))
@@ -117,13 +117,13 @@ def test_a_full_buffer_in_another_mode_is_no_fault(ready: "Drive") -> None:
 
 def test_records_may_be_there_before_the_drive_is_enabled(drive: "Drive") -> None:
     drive.store.set(BUFFER_SIZE, 64)
-    drive.write(at.MODE, 7)
+    drive.write(od.MODE, 7)
     drive.write(BUFFER_CLEAR, 1)
     feed(drive, (0, 0, 20), (100, 0, 0))
     drive.enable()
     drive.command(0x1F)
     drive.run(60)
-    assert drive.read(at.POSITION_DEMAND) == 100
+    assert drive.read(od.POSITION_DEMAND) == 100
 
 
 @pytest.mark.emergency(0xFF0C)

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from emulators.epos2.objects.device_profile import BUFFER_FREE
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
 from hil_tests.unit.motion_control.interpolated_position.conftest import (
     ACCELERATION,
@@ -28,22 +29,22 @@ if TYPE_CHECKING:
 @pytest.mark.parametrize(
     ("limit", "value", "bits", "error"),
     [
-        (at.PROFILE_VELOCITY, 900, 0, 0),
-        (at.PROFILE_VELOCITY, 899, VELOCITY_WARNING, 0),
-        (at.PROFILE_ACCELERATION, 36_000, 0, 0),
-        (at.PROFILE_ACCELERATION, 35_999, ACCELERATION_WARNING, 0),
-        (at.MAX_PROFILE_VELOCITY, 900, 0, 0),
-        (at.MAX_PROFILE_VELOCITY, 899, 0, VELOCITY),
-        (at.MAX_ACCELERATION, 36_000, 0, 0),
-        (at.MAX_ACCELERATION, 35_999, ACCELERATION_WARNING, ACCELERATION),
+        (od.PROFILE_VELOCITY, 900, 0, 0),
+        (od.PROFILE_VELOCITY, 899, VELOCITY_WARNING, 0),
+        (od.PROFILE_ACCELERATION, 36_000, 0, 0),
+        (od.PROFILE_ACCELERATION, 35_999, ACCELERATION_WARNING, 0),
+        (od.MAX_PROFILE_VELOCITY, 900, 0, 0),
+        (od.MAX_PROFILE_VELOCITY, 899, 0, VELOCITY),
+        (od.MAX_ACCELERATION, 36_000, 0, 0),
+        (od.MAX_ACCELERATION, 35_999, ACCELERATION_WARNING, ACCELERATION),
     ],
 )
 @pytest.mark.emergency(0xFF0C)
 def test_limits_of_velocity_and_acceleration(
-    ready: "Drive", limit: at.Address, value: int, bits: int, error: int
+    ready: "Drive", limit: Address, value: int, bits: int, error: int
 ) -> None:
     # From rest to rest over 2000 qc in 100 ms: 1.5 x 20 qc/ms = 900 rpm, and 6 x 2000/100^2 = 1.2 qc/ms2.
-    ready.write(at.PROFILE_ACCELERATION, 100_000)
+    ready.write(od.PROFILE_ACCELERATION, 100_000)
     ready.write(limit, value)
     feed(ready, (0, 0, 100), (2000, 0, 0))
     ready.command(0x1F)
@@ -51,7 +52,7 @@ def test_limits_of_velocity_and_acceleration(
     if error:
         assert status(ready) == error
         assert ready.reported == [ERROR]
-        assert ready.read(at.POSITION_DEMAND) == 0
+        assert ready.read(od.POSITION_DEMAND) == 0
     else:
         assert status(ready) & ~UNDERFLOW_WARNING == ENABLED | ACTIVE | bits
         assert ready.reported == []
@@ -63,17 +64,17 @@ def test_a_first_record_far_away_is_a_velocity_error_and_moves_nothing(ready: "D
     ready.command(0x1F)
     ready.run(50)
     assert status(ready) == VELOCITY
-    assert ready.read(at.POSITION_DEMAND) == pytest.approx(0, abs=1)
+    assert ready.read(od.POSITION_DEMAND) == pytest.approx(0, abs=1)
 
 
 @pytest.mark.emergency(0xFF09)
 def test_a_record_beyond_the_software_limits_is_not_run_to(ready: "Drive") -> None:
-    ready.write(at.MAX_POSITION_LIMIT, 1000)
+    ready.write(od.MAX_POSITION_LIMIT, 1000)
     feed(ready, (0, 0, 100), (1000, 0, 100), (1001, 0, 0))
     ready.command(0x1F)
     ready.run(250)
     assert ready.reported == [0xFF09]
-    assert ready.read(at.POSITION_DEMAND) <= 1000
+    assert ready.read(od.POSITION_DEMAND) <= 1000
 
 
 @pytest.mark.emergency(0xFF0C)
@@ -81,7 +82,7 @@ def test_a_record_beyond_the_software_limits_is_not_run_to(ready: "Drive") -> No
 def test_a_first_record_that_is_a_jolt_is_an_acceleration_error(
     ready: "Drive", first: tuple[int, int]
 ) -> None:
-    ready.write(at.MAX_ACCELERATION, 100_000)
+    ready.write(od.MAX_ACCELERATION, 100_000)
     position, velocity = first
     feed(ready, (position, velocity, 100), (position + 20, 0, 0))
     ready.command(0x1F)
@@ -112,8 +113,8 @@ def test_a_path_into_a_limit_switch_ends_there(ready: "Drive") -> None:
 def test_the_axis_never_gets_a_segment_that_may_not_run(
     ready: "Drive", third: tuple[int, int, int], code: int
 ) -> None:
-    ready.write(at.MAX_POSITION_LIMIT, 900)
-    ready.write(at.MAX_PROFILE_VELOCITY, 2000)
+    ready.write(od.MAX_POSITION_LIMIT, 900)
+    ready.write(od.MAX_PROFILE_VELOCITY, 2000)
     feed(ready, (0, 0, 50), (500, 0, 50), third)
     ready.command(0x1F)
     ready.run(20)
@@ -122,4 +123,4 @@ def test_the_axis_never_gets_a_segment_that_may_not_run(
     ready.run(100)
     assert ready.reported == ([code] if code else [])
     # Without power the demand is where the shaft is.
-    assert ready.read(at.POSITION_DEMAND) == pytest.approx(500 if code else 900, abs=5)
+    assert ready.read(od.POSITION_DEMAND) == pytest.approx(500 if code else 900, abs=5)

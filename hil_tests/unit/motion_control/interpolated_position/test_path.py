@@ -11,8 +11,8 @@ from emulators.epos2.modes.interpolation_buffer import BUFFER_POSITION
 from emulators.epos2.objects.device_profile import BUFFER_FREE
 from emulators.servo.scaling import speed_units
 from emulators.servo.spline import Knot, segment
-from firmware_bridge.wire.cia402 import PowerState
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.cia402 import PowerState
 from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import make_drive
 from hil_tests.unit.motion_control.interpolated_position.conftest import (
@@ -43,7 +43,7 @@ def test_the_documented_sequence(ready: "Drive") -> None:
     seen = {}
     for ms in range(1, 220):
         ready.run(1)
-        seen[ms] = ready.read(at.POSITION_DEMAND)
+        seen[ms] = ready.read(od.POSITION_DEMAND)
         # The run begins in the midst of a ms.
         if ms == 199:
             assert ready.statusword & ACTIVE_BIT
@@ -67,9 +67,9 @@ def test_halt_and_bit_4_end_the_path_with_the_profile_deceleration(ready: "Drive
     # 15 000 rpm/s bring 600 rpm to rest in 40 ms.
     assert ready.runs_until(lambda: bool(ready.statusword & REACHED)) == pytest.approx(40, abs=2)
     ready.command(0x1F & ~0x10)
-    here = ready.read(at.POSITION_DEMAND)
+    here = ready.read(od.POSITION_DEMAND)
     ready.run(200)
-    assert ready.read(at.POSITION_DEMAND) == here
+    assert ready.read(od.POSITION_DEMAND) == here
     assert ready.reported == []
 
 
@@ -77,14 +77,14 @@ def test_a_high_bit_4_does_not_run_what_is_fed_later(ready: "Drive") -> None:
     feed(ready, (0, 0, 20), (100, 0, 0))
     ready.command(0x1F)
     ready.run(60)
-    here = ready.read(at.POSITION_DEMAND)
+    here = ready.read(od.POSITION_DEMAND)
     assert here == 100
     feed(ready, (100, 0, 20), (200, 0, 0))
     ready.run(60)
-    assert ready.read(at.POSITION_DEMAND) == here
+    assert ready.read(od.POSITION_DEMAND) == here
     ready.command(0x0F, 0x1F)
     ready.run(60)
-    assert ready.read(at.POSITION_DEMAND) == 200
+    assert ready.read(od.POSITION_DEMAND) == 200
 
 
 KNOTS = st.lists(
@@ -98,7 +98,7 @@ def test_any_path_within_the_limits_passes_every_knot_and_is_continuous(
     steps: list[tuple[int, int, int]], ahead: int
 ) -> None:
     drive = prepared(make_drive())
-    drive.write(at.MAX_FOLLOWING_ERROR, 0xFFFFFFFF)
+    drive.write(od.MAX_FOLLOWING_ERROR, 0xFFFFFFFF)
     records, position = [(0, 0, 1 + steps[0][2])], 0
     for way, velocity, ms in steps:
         position += way
@@ -138,9 +138,9 @@ def test_a_rising_bit_4_in_a_halt_starts_nothing(ready: "Drive") -> None:
     feed(ready, (0, 0, 20), (100, 0, 0))
     for words, position in (((0x010F, 0x011F), 0), ((0x001F,), 0), ((0x000F, 0x001F), 100)):
         for word in words:
-            ready.carries((at.CONTROLWORD, word))
+            ready.carries((od.CONTROLWORD, word))
         ready.run(60)
-        assert ready.read(at.POSITION_DEMAND) == position
+        assert ready.read(od.POSITION_DEMAND) == position
 
 
 def test_a_written_word_with_bit_4_starts_the_path_once_the_halt_is_over(ready: "Drive") -> None:
@@ -148,16 +148,16 @@ def test_a_written_word_with_bit_4_starts_the_path_once_the_halt_is_over(ready: 
     for word, position in ((0x010F, 0), (0x011F, 0), (0x001F, 100)):
         ready.command(word)
         ready.run(60)
-        assert ready.read(at.POSITION_DEMAND) == position
+        assert ready.read(od.POSITION_DEMAND) == position
 
 
 def test_a_last_record_with_a_velocity_brakes_from_there(ready: "Drive") -> None:
     feed(ready, (0, 0, 100), (1000, 600, 0))
     ready.command(0x1F)
     ready.run(101)
-    assert ready.read(at.POSITION_DEMAND) == pytest.approx(1000, abs=21)
+    assert ready.read(od.POSITION_DEMAND) == pytest.approx(1000, abs=21)
     # 15 000 rpm/s bring 20 qc/ms to rest in 40 ms and 400 qc.
     ms = ready.runs_until(lambda: bool(ready.statusword & REACHED))
     assert ms == pytest.approx(40, abs=3)
-    assert ready.read(at.POSITION_DEMAND) == pytest.approx(1400, abs=15)
+    assert ready.read(od.POSITION_DEMAND) == pytest.approx(1400, abs=15)
     assert ready.reported == []

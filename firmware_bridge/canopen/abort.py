@@ -6,7 +6,7 @@ Sources: CiA 301 v4.02; 0x0F00FFxx from maxon's command library. The serial prot
 from enum import IntEnum
 from typing import Final, Self
 
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.address import Address
 
 
 class AbortCode(IntEnum):

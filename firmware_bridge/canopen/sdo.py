@@ -10,8 +10,8 @@ from functools import lru_cache
 from struct import Struct
 from typing import Final, TypeAlias
 
-from firmware_bridge.wire.abort import AbortCode, SdoAbort, meaning_of
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort, meaning_of
+from firmware_bridge.canopen.address import Address
 
 __all__ = [
     "NOWHERE",

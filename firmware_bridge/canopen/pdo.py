@@ -7,8 +7,8 @@ import struct
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.rows import DataType
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.data_type import DataType
 
 MAX_ENTRIES: Final = 8
 MAX_BITS: Final = 64

@@ -10,11 +10,11 @@ any object that the bridge writes.
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
+from firmware_bridge.canopen import cia301, sdo
+from firmware_bridge.canopen.abort import AbortCode, meaning_of
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
-from firmware_bridge.wire import canopen, sdo
-from firmware_bridge.wire.abort import AbortCode, meaning_of
-from firmware_bridge.wire.epos2.address import Address
 
 TIMEOUT: Final[Nanoseconds] = 200 * MILLISECOND
 """For one answer; the drive itself needs less than a millisecond (EPOS2 Application Notes, p. 168)."""
@@ -241,4 +241,4 @@ class NodeClient:
 
     def _requests(self, payloads: tuple[bytes, ...]) -> tuple[Packet, ...]:
         self.wake_at = self._client.wake_at
-        return tuple(Packet(self._link, canopen.SDO_REQUEST + self._node, payload) for payload in payloads)
+        return tuple(Packet(self._link, cia301.SDO_REQUEST + self._node, payload) for payload in payloads)

@@ -1,0 +1,1 @@
+"""CANopen as its standards have it: no product is known here."""
