@@ -1,7 +1,9 @@
 """The common part of all tables of a robot file."""
 
+import math
 from collections.abc import Collection, Mapping
-from typing import Annotated, Any
+from enum import StrEnum
+from typing import Annotated, Any, Protocol, Self
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
@@ -48,9 +50,72 @@ def has_key(key: str, table: type[Table], other: type[Table]) -> Discriminator:
     return Discriminator(chosen)
 
 
+class HasSettings(Protocol):
+    """A row of a robot file with the table of its device."""
+
+    @property
+    def name(self) -> str:
+        """The row's name."""
+
+    @property
+    def settings(self) -> Any:
+        """The table of its device's family."""
+
+
+class HasLinks(Protocol):
+    """A robot, as far as its links go."""
+
+    @property
+    def links(self) -> Mapping[str, "LinkTable"]:
+        """The links by their names."""
+
+
+class SettingsTable(Table):
+    """The part of an axis, a sensor or an output that its device's family defines: `settings`."""
+
+    @classmethod
+    def of(cls, row: HasSettings) -> Self:
+        """Return a row's own table; TypeError where a device of another family has it."""
+        if not isinstance(row.settings, cls):
+            raise TypeError(f"'{row.name}' has no {cls.__name__}, but a {type(row.settings).__name__}")
+        return row.settings
+
+
+class AxisTable(SettingsTable):
+    """One motor at its device, whatever that is."""
+
+    continuous_current_ma: int
+    peak_current_ma: int
+
+    @property
+    def number(self) -> int:
+        """The number by which the motor is called on its link."""
+        raise NotImplementedError
+
+    @property
+    def address(self) -> str:
+        """The motor as text."""
+        raise NotImplementedError
+
+    def slowest_ramp(self, ratio: float) -> float:
+        """Return the gentlest of its accelerations in the axis's unit, behind a gear of `ratio`."""
+        raise NotImplementedError
+
+    def cruise(self, ratio: float) -> float:
+        """Return the speed at which it goes to a position, behind a gear of `ratio`."""
+        raise NotImplementedError
+
+    def furthest(self, ratio: float) -> float:
+        """Return how far from 0 a travel may go, with `ratio` rad for each unit."""
+        del ratio
+        return math.inf
+
+
 class LinkTable(Table):
     """A link to devices, whatever they are: `[links.NAME]`."""
 
+    driver: StrEnum
+    """The bridge's connection to the devices; it names their family."""
     every: Annotated[int, Field(ge=1, le=100)] = 1
     """The link's devices are sampled and commanded in each so many-th cycle of the robot."""
     silent_ms: Annotated[int, Field(ge=10, le=10_000)]
@@ -62,3 +127,16 @@ class LinkTable(Table):
     def unwatched(self) -> bool:
         """True where its devices keep their last command when the bridge falls silent."""
         return False
+
+    @classmethod
+    def all_of(cls, robot: HasLinks) -> dict[str, Self]:
+        """Return a robot's links of this family, by their names."""
+        return {name: link for name, link in robot.links.items() if isinstance(link, cls)}
+
+    @classmethod
+    def of_link(cls, robot: HasLinks, name: str) -> Self:
+        """Return one link of a robot; KeyError, or TypeError where devices of another family are on it."""
+        link = robot.links[name]
+        if not isinstance(link, cls):
+            raise TypeError(f"the link '{name}' has no {cls.__name__}, but a {type(link).__name__}")
+        return link

@@ -9,7 +9,7 @@ from typing import Annotated, Final
 
 from pydantic import Field
 
-from firmware_bridge.robot.table import Finite, LinkTable, Positive, Table
+from firmware_bridge.robot.table import AxisTable, Finite, LinkTable, Positive
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 STEPS_PER_TURN: Final = 400
@@ -67,7 +67,7 @@ class Ar2Link(LinkTable):
         return 3 * self.every * cycle
 
 
-class Ar2Axis(Table):
+class Ar2Axis(AxisTable):
     """One joint: its motor counts steps from one end of its way."""
 
     joint: Annotated[int, Field(ge=1, le=6)]

@@ -5,7 +5,7 @@ from typing import Annotated, Final, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from firmware_bridge.robot.table import Finite, LinkTable, Positive, Table
+from firmware_bridge.robot.table import Finite, LinkTable, Positive, SettingsTable, Table
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.internet import number_of
 
@@ -102,7 +102,7 @@ class OdometryBounds(Table):
         return self.silent_ms * MILLISECOND
 
 
-class CaptureBody(Table):
+class CaptureBody(SettingsTable):
     """The robot among the bodies that are captured."""
 
     body: Annotated[int, Field(ge=0)] | Annotated[str, Field(min_length=1)]

@@ -8,7 +8,17 @@ from typing import Annotated, Final, NamedTuple, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from firmware_bridge.robot.table import LinkTable, Name, Positive, Signed16, Table, Unsigned16, Unsigned32
+from firmware_bridge.robot.table import (
+    AxisTable,
+    LinkTable,
+    Name,
+    Positive,
+    SettingsTable,
+    Signed16,
+    Table,
+    Unsigned16,
+    Unsigned32,
+)
 from firmware_bridge.units import MILLISECOND, QUADCOUNTS_PER_LINE, RPM_PER_RAD_S, Nanoseconds
 from firmware_bridge.wire.maxon.frame import Generation
 
@@ -229,7 +239,7 @@ def too_fast(encoder_lines: int, rpm: float) -> str:
     )
 
 
-class Epos2Axis(Table):
+class Epos2Axis(AxisTable):
     """One drive, its motor and its encoder."""
 
     node: NodeId
@@ -330,7 +340,7 @@ class Epos2Axis(Table):
         return counted / self.quadcounts_per_turn * 2.0 * math.pi / ratio
 
 
-class Epos2AnalogueInput(Table):
+class Epos2AnalogueInput(SettingsTable):
     """A sensor behind an analog input of one drive (0x207C)."""
 
     axis: Name
@@ -339,7 +349,7 @@ class Epos2AnalogueInput(Table):
     """The sensor's value for each volt at the input."""
 
 
-class Epos2DigitalOutput(Table):
+class Epos2DigitalOutput(SettingsTable):
     """A device behind a digital output of one drive, switched as a general purpose output (0x2078)."""
 
     axis: Name

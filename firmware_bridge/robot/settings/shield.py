@@ -6,7 +6,7 @@ from typing import Annotated, Final, Self
 
 from pydantic import Field, model_validator
 
-from firmware_bridge.robot.table import LinkTable, NonNegative, Positive, Table
+from firmware_bridge.robot.table import AxisTable, LinkTable, NonNegative, Positive, Table
 from firmware_bridge.units import MILLISECOND, RPM_PER_RAD_S, Nanoseconds
 
 FULL_PWM: Final = 255
@@ -157,7 +157,7 @@ class Regulator(Table):
     """PWM at which the motor overcomes its friction."""
 
 
-class ShieldAxis(Table):
+class ShieldAxis(AxisTable):
     """One motor and its encoder."""
 
     port: Annotated[int, Field(ge=1, le=4)]
