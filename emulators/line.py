@@ -97,7 +97,7 @@ class BoardLine:
         return LineRun(
             link=self.link.name,
             protocol=table.protocol.value,
-            baud=table.line_rate,
+            baud=table.rate,
             bytes=self.wire.bytes,
             commands=self.link.commands,
             busy_percent=round(100.0 * self.link.busy / duration, 3),

@@ -16,7 +16,6 @@ from firmware_bridge.drivers.driver import Position, Speed
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
 from firmware_bridge.robot.file import robot_of, schema, table_of, text_of
 from firmware_bridge.robot.problems import near
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_type import AnyRobotType
 from firmware_bridge.safety.common import AXIS_INTERLOCKS
 from firmware_bridge.safety.interlock import AxisInterlock
@@ -257,14 +256,13 @@ def beyond_bounds(robot: AnyRobot, robot_type: AnyRobotType) -> Iterator[Problem
 def odd_ratios(robot: AnyRobot) -> Iterator[Problem]:
     """Yield where an axis's top speed hardly turns its motor: a gear's ratio that is upside down."""
     for index, axis in enumerate(robot.axes):
-        if isinstance(axis.settings, Epos2Axis):
-            turns, profile = axis.top_speed * axis.ratio * RPM_PER_RAD_S, axis.epos2.profile.velocity_rpm
-            if turns < SLOWEST_SHARE * profile:
-                yield Problem(
-                    f"axes[{index}].ratio",
-                    f"with {axis.ratio:g} top_speed turns the motor with {turns:.3g} rpm, its profile is "
-                    f"made for {profile}; it is the motor's turns for one of the axis",
-                )
+        turns, profile = axis.top_speed * axis.ratio * RPM_PER_RAD_S, axis.settings.profile_rpm()
+        if turns < SLOWEST_SHARE * profile:
+            yield Problem(
+                f"axes[{index}].ratio",
+                f"with {axis.ratio:g} top_speed turns the motor with {turns:.3g} rpm, its profile is "
+                f"made for {profile:.10g}; it is the motor's turns for one of the axis",
+            )
 
 
 def loose_sums(robot: AnyRobot, robot_type: AnyRobotType) -> Iterator[Problem]:

@@ -110,8 +110,7 @@ def run(given: BenchOptions) -> None:
     from firmware_bridge.bridge.bridge import FAILED as NOT_STARTED
     from firmware_bridge.cli.robot_argument import find_robot
     from firmware_bridge.cli.tables import terminal
-    from firmware_bridge.drivers.epos2.serial.plan import PlanError
-    from firmware_bridge.drivers.shield.plan import ShieldPlanError
+    from firmware_bridge.drivers.link_drivers import PlanError
     from firmware_bridge.pilot.paths import PathError
     from firmware_bridge.robot import RobotFileError
     from firmware_bridge.robot.path_file import PathFileError
@@ -120,7 +119,7 @@ def run(given: BenchOptions) -> None:
 
     with (
         one_message(
-            *(MissionFileError, RobotFileError, PathFileError, PlanError, ShieldPlanError),
+            *(MissionFileError, RobotFileError, PathFileError, PlanError),
             *(PlantError, ServoError, LookupError, ConditionsError, PathError),
         ),
         written_by("--out"),

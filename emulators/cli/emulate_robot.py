@@ -16,8 +16,6 @@ from firmware_bridge.cli.options import (
     LinkOption,
     RobotArgument,
     RobotBitRateOption,
-    Spoken,
-    generation_of,
     until,
 )
 from firmware_bridge.cli.outside import Outside
@@ -35,6 +33,7 @@ if TYPE_CHECKING:
     from firmware_bridge.cli.places import BusAddress
     from firmware_bridge.robot import AnyRobot, Axis
     from firmware_bridge.runtime.ports import Port
+    from firmware_bridge.wire.maxon.frame import Generation
 
 
 EXAMPLES: Final = """Examples:
@@ -64,8 +63,9 @@ class RobotOptions(Outside):
 
     robot: RobotArgument
     protocol: Annotated[
-        Spoken | None,
+        str | None,
         typer.Option(
+            metavar="NAME",
             help="Protocol of the serial line: v1 as on RS232, v2 as on USB; for a board with a motor "
             "shield its firmware.",
             show_default="as its host does; of a board by the robot file",
@@ -114,17 +114,17 @@ def emulate_board(machine: "AnyRobot", given: RobotOptions) -> None:
     from emulators.cli.watched import keeping_reported
     from emulators.devices import devices
     from emulators.servo.bank import ServoError
+    from firmware_bridge.cli.fitted import linked
     from firmware_bridge.cli.real_time import carry
     from firmware_bridge.dissector import kinds_of
-    from firmware_bridge.drivers.shield.link_drivers import over_protocol
+    from firmware_bridge.family import LinkOptions
     from firmware_bridge.robot import RobotFileError
     from firmware_bridge.runtime.clock import LivedClock
     from firmware_bridge.runtime.ports import PortError
     from fmu.errors import PlantError
 
     with one_message(RobotFileError, PlantError):
-        spoken = None if given.protocol is None else given.protocol.value
-        machine = over_protocol(machine, spoken, given.encoders)
+        machine = linked(machine, LinkOptions(given.protocol, encoders=given.encoders))
         report_beginning(machine, given.plant)
         emulated = devices(machine, given.plant, optional=TRUTH if machine.capture_links else ())
         cameras = cameras_of(machine, emulated)
@@ -160,12 +160,11 @@ def _same(port: "Port") -> "Port":
 def _line_of(machine: "AnyRobot", name: str, given: RobotOptions, *, alone: bool) -> "Port":
     """Open the line to a board; where there are several each has a pseudo-terminal of its own. PortError."""
     from firmware_bridge.cli.links import open_serial
-    from firmware_bridge.robot.settings.shield import ShieldLink
     from firmware_bridge.runtime.ports import PortError
     from firmware_bridge.runtime.ports.pseudo_terminal import WORD
 
     table = machine.links[name]
-    rate = table.line_rate if isinstance(table, ShieldLink) else machine.ar2_link(name).line_rate
+    rate = table.rate
     link, device = given.serial_link, given.serial or WORD
     if alone:
         return open_serial(device, rate, link)
@@ -201,7 +200,7 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
     from firmware_bridge.runtime.clock import LivedClock
     from fmu.errors import PlantError
 
-    protocol = generation_of(given.protocol)
+    protocol = _generation(given.protocol)
     cuts = [_cut(machine, text) for text in given.silence or ()]
     near = on_the_line(given, [axis.epos2.node for axis in machine.axes])
     if given.link is None and len(machine.epos2_links) > 1 and given.serial is not None:
@@ -242,6 +241,16 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
         )
 
 
+def _generation(spoken: str | None) -> "Generation | None":
+    """Return the protocol of drives; another one ends the program with a message."""
+    from firmware_bridge.wire.maxon.frame import Generation
+
+    known = [one.value for one in Generation]
+    if spoken is not None and spoken not in known:
+        raise refusal(f"--protocol {spoken}: drives speak {' or '.join(known)}")
+    return None if spoken is None else Generation(spoken)
+
+
 def _storage(axis: "Axis", given: RobotOptions) -> "Storage":
     """Return where a drive finds its parameters at power-on: saved, the robot file's or the factory's."""
     from emulators.epos2.objects.saved_parameters import Volatile
@@ -263,7 +272,7 @@ def _outside(machine: "AnyRobot", baud: int, given: RobotOptions) -> "tuple[Open
     single = len(machine.epos2_links) == 1
     if single and not given.link:
         return opened(
-            given, generation_of(given.protocol), baud, next(iter(machine.epos2_links.values())).bit_rate
+            given, _generation(given.protocol), baud, next(iter(machine.epos2_links.values())).bit_rate
         )
     places = places_of(machine, given.link, BusAddress(given.interface, given.channel, given.serial))
     openers = {CAN if single else name: _opener(machine, name, place) for name, place in places.items()}

@@ -3,18 +3,17 @@
 from pathlib import Path
 from typing import Protocol
 
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
-from firmware_bridge.drivers.shield.link_drivers import measured, over_protocol
+from firmware_bridge.cli.fitted import driven
+from firmware_bridge.family import LinkOptions
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.path_file import Point, along_path
-from firmware_bridge.wire.maxon.frame import Generation
 
 
 class Fitting(Protocol):
     """A command's settings of a robot's links and path; None: as in its file."""
 
     @property
-    def serial(self) -> Generation | None:
+    def serial(self) -> str | None:
         """Drives over a serial line, in this protocol."""
 
     @property
@@ -43,10 +42,7 @@ def fitted(robot: AnyRobot, given: Fitting) -> tuple[AnyRobot, tuple[Point, ...]
     return along_path(firm, given.path, given.path_speed)
 
 
-def linked(
-    robot: AnyRobot, serial: Generation | None, protocol: str | None, encoders: int | None
-) -> AnyRobot:
+def linked(robot: AnyRobot, serial: str | None, protocol: str | None, encoders: int | None) -> AnyRobot:
     """Return the robot on the links that a command has named; RobotFileError where that does not suit it."""
-    if serial is not None:
-        robot = over_serial(robot, serial)
-    return measured(over_protocol(robot, protocol, encoders))
+    lines = () if serial is None else tuple(robot.links)
+    return driven(robot, LinkOptions(serial or protocol, encoders=encoders, lines=lines))

@@ -77,17 +77,14 @@ def run(given: FmeaOptions) -> None:
     from emulators.progress_bar import progress_bar
     from emulators.servo.bank import ServoError
     from emulators.testing.errors import RigError
-    from firmware_bridge.drivers.epos2.serial.plan import PlanError
-    from firmware_bridge.drivers.shield.plan import ShieldPlanError
+    from firmware_bridge.drivers.link_drivers import PlanError
     from firmware_bridge.robot import RobotFileError
     from fmu.errors import PlantError
 
     # A function of plain values: it is sent to processes, where each makes its own robot.
     made = partial(_machine, given.robot, given.serial, given.protocol, given.encoders)
     with (
-        one_message(
-            RobotFileError, PlanError, ShieldPlanError, PlantError, ServoError, LookupError, RigError
-        ),
+        one_message(RobotFileError, PlanError, PlantError, ServoError, LookupError, RigError),
         written_by("--out"),
     ):
         machine = made()

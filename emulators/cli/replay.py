@@ -24,8 +24,7 @@ from firmware_bridge.cli.options import (
     ZeroOption,
 )
 from firmware_bridge.dissector.canopen import SERVICE_NAMES
-from firmware_bridge.drivers.epos2.serial.plan import PlanError
-from firmware_bridge.drivers.shield.plan import ShieldPlanError
+from firmware_bridge.drivers.link_drivers import PlanError
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robot.path_file import PathFileError
 from firmware_bridge.units import MICROSECOND, from_seconds, to_seconds
@@ -129,7 +128,7 @@ def run(given: ReplayOptions) -> None:
             raise refusal(f"--without {name}: no such service; there are: {', '.join(SERVICE_NAMES)}")
     with one_message(ValueError, OverflowError):
         limit = None if given.until is None else from_seconds(given.until)
-    with one_message(RecordingFileError, PlanError, ShieldPlanError, PlantError, ServoError):
+    with one_message(RecordingFileError, PlanError, PlantError, ServoError):
         order = ReplayOrder(
             machine,
             given.recording,

@@ -13,7 +13,7 @@ from enum import Enum
 from typing import Final
 
 from firmware_bridge.bridge.all_drivers import AllDrivers, joined, requests_stop
-from firmware_bridge.drivers.all_drivers import STOP_STAGES
+from firmware_bridge.drivers.all_drivers import stop_stages_of
 from firmware_bridge.drivers.driver import Driver, Position, Power, SetPoint, Stop
 from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN, StopStage, gentle_within, sequence
 from firmware_bridge.intent import NEVER_RECEIVED, Disarm, EmergencyStop, Pause, Request
@@ -78,7 +78,7 @@ class AxisStop:
         link = robot.links[axis.link]
         self.driver: Final = driver
         self.link: Final = axis.link
-        stages = STOP_STAGES[link.driver](robot, axis)
+        stages = stop_stages_of(robot, axis)
         self._sequences: Final = {off: sequence(stages, off=off) for off in (False, True)}
         self._standstill_below: Final = AT_STANDSTILL * axis.top_speed
         self._silent_after: Final = link.silent_ms * MILLISECOND

@@ -22,21 +22,17 @@ from firmware_bridge.cli.options import (
     PathSpeedOption,
     RobotArgument,
     RobotBitRateOption,
-    Spoken,
     ZeroOption,
-    generation_of,
     until,
 )
 from firmware_bridge.cli.recorded import RecordOption, recording
 from firmware_bridge.node import OPERATOR, Node
 from firmware_bridge.runtime.black_box import CAN_LOG, CAPTURE_LOG, OPERATOR_LOG, SERIAL_LOG, Texts
-from firmware_bridge.wire.maxon.frame import Generation
 
 if TYPE_CHECKING:
     from firmware_bridge.cli.places import BusAddress
+    from firmware_bridge.family import LinkOptions
     from firmware_bridge.robot import AnyRobot
-    from firmware_bridge.robot.settings.ar2 import Ar2Link
-    from firmware_bridge.robot.settings.shield import ShieldLink
     from firmware_bridge.robot_type import AnyRobotType
     from firmware_bridge.runtime.ports import Port
     from firmware_bridge.slow_link.conditions import Conditions
@@ -136,10 +132,11 @@ class DriveOptions:
         ),
     ] = None
     protocol: Annotated[
-        Spoken | None,
+        str | None,
         typer.Option(
+            metavar="NAME",
             help="Protocol of the serial port: v1 as on RS232, v2 as on USB; for a board with a motor "
-            "shield its firmware.",
+            "shield its firmware: mw, ros-arduino-bridge, arduinoio or firmata.",
             show_default="the robot's",
         ),
     ] = None
@@ -179,12 +176,10 @@ class DriveOptions:
     duration: DurationOption = None
 
 
-_OTHER: Final = {Generation.V1: Generation.V2, Generation.V2: Generation.V1}
-
-
 def run(given: DriveOptions) -> None:
     """Run `drive` with these options; an error ends the program with a message."""
     from firmware_bridge.bridge import Bridge
+    from firmware_bridge.cli.fitted import driven
     from firmware_bridge.cli.narrated import Narrated, StartUpFailedError, not_confirmed
     from firmware_bridge.cli.places import BusAddress, places_of, split_links
     from firmware_bridge.cli.real_time import carry
@@ -193,10 +188,10 @@ def run(given: DriveOptions) -> None:
     from firmware_bridge.cli.trusted import trust_of
     from firmware_bridge.cli.watchdogs import watched
     from firmware_bridge.cli.zeros import zeros_of
-    from firmware_bridge.drivers.epos2.serial.plan import PlanError
-    from firmware_bridge.drivers.shield.plan import ShieldPlanError
+    from firmware_bridge.drivers.link_drivers import PlanError
     from firmware_bridge.robot import RobotFileError
     from firmware_bridge.robot.path_file import PathFileError, along_path
+    from firmware_bridge.robot.table import Medium
     from firmware_bridge.robot_types import robot_type_of
     from firmware_bridge.runtime.last_places import LastPlaces, known_places, usual_path
     from firmware_bridge.runtime.ports import UdpPort
@@ -210,10 +205,10 @@ def run(given: DriveOptions) -> None:
     state = given.state or usual_path(machine.name)
     stamps = Remembered(trust, state.with_suffix(".stamps.json"))
     confirmed = zeros_of(given.zero, given.home)
-    with one_message(PlanError, ShieldPlanError, RobotFileError, PathFileError, ValueError):
+    with one_message(PlanError, RobotFileError, PathFileError, ValueError):
         machine = (
             # A board without a watchdog is refused before any port is opened.
-            watched(_with_lines(machine, places, given), accepted=given.accept_no_watchdog)
+            watched(driven(machine, _options(given, places)), accepted=given.accept_no_watchdog)
             .discriminated_by(given.bandwidth)
             .agreed_on(given.max_delay)
         )
@@ -226,12 +221,12 @@ def run(given: DriveOptions) -> None:
     bridge.offer(places_before)
     # Next to the bridge: lines and recordings stand outside, and see what the guard lets through.
     node: Node = guarded(bridge, machine)
-    node, openers, lines, hints = _links(machine, places, given, node)
-    for name, system in machine.capture_links.items():
-        openers[name] = partial(UdpPort, f"udpin:{system.listen}")
-    where = ", ".join(_title(machine, name, place) for name, place in places.items())
-    files = {name: SERIAL_LOG if name in lines else CAN_LOG for name in places}
-    files |= dict.fromkeys(machine.capture_links, CAPTURE_LOG) | {OPERATOR: OPERATOR_LOG}
+    node, openers, hints = _links(machine, places, given, node)
+    where = ", ".join(
+        f"{place.title} {machine.links[name].described}".rstrip() for name, place in places.items()
+    )
+    logs = {Medium.CAN: CAN_LOG, Medium.SERIAL: SERIAL_LOG, Medium.UDP: CAPTURE_LOG}
+    files = {name: logs[link.medium] for name, link in machine.links.items()} | {OPERATOR: OPERATOR_LOG}
     try:
         known = known_places(places_before) | run_file(AsRun(machine, confirmed, given.mode or ""))
         with recording(given.record, files, texts_of(), known=known) as (around, show):
@@ -250,36 +245,38 @@ def run(given: DriveOptions) -> None:
             say(f"firmware-bridge: {problem}", err=True)
 
 
+def _options(given: DriveOptions, places: "Mapping[str, BusAddress]") -> "LinkOptions":
+    from firmware_bridge.family import LinkOptions
+
+    on_lines = tuple(name for name, place in places.items() if place.device is not None)
+    return LinkOptions(given.protocol, given.baud, given.encoders, on_lines)
+
+
 def _links(
     machine: "AnyRobot", places: "Mapping[str, BusAddress]", given: DriveOptions, node: Node
-) -> "tuple[Node, dict[str, Callable[[], Port]], list[str], dict[str, str]]":
-    """Return the bridge behind its lines, the links' openers, which are lines, the hints for silence."""
-    from firmware_bridge.drivers.epos2.serial.line import MaxonLine
-    from firmware_bridge.robot.settings.ar2 import Ar2Link
-    from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
-    from firmware_bridge.robot.settings.shield import ShieldLink
+) -> "tuple[Node, dict[str, Callable[[], Port]], dict[str, str]]":
+    """Return the bridge behind its ends of the links, the links' openers, and the hints for silence."""
+    from firmware_bridge.family import family_of
+    from firmware_bridge.robot.table import Medium
+    from firmware_bridge.runtime.ports import UdpPort
 
     openers: dict[str, Callable[[], Port]] = {}
-    lines: list[str] = []
     hints: dict[str, str] = {}
-    for name, place in places.items():
-        table = machine.links[name]
-        if isinstance(table, ShieldLink | Ar2Link):
-            openers[name] = _serial_opener(machine, place, table.line_rate)
-            lines.append(name)
-            hints[name] = _no_board(table)
-        elif table.driver is Epos2Driver.SERIAL:
-            node = MaxonLine(node, table.protocol, name)
-            openers[name] = _serial_opener(machine, place, table.line_rate)
-            lines.append(name)
-            hints[name] = _nothing_received(table.protocol, table.line_rate)
-        elif isinstance(table, Epos2Link):
-            rate = given.bit_rate or table.bit_rate
-            openers[name] = _can_opener(place, given.bit_rate, table.bit_rate)
-            hints[name] = (
-                f"nothing was received on {place.title}: are the drives on, at {rate} bit/s (--bitrate)?"
-            )
-    return node, openers, lines, hints
+    for name, table in machine.links.items():
+        node = family_of(table).line_end(node, table, name)
+        match table.medium:
+            case Medium.UDP:
+                openers[name] = partial(UdpPort, f"udpin:{table.place}")
+            case Medium.SERIAL:
+                openers[name] = _serial_opener(machine, places[name], table.rate)
+                hints[name] = table.silent_hint
+            case Medium.CAN:
+                place, rate = places[name], given.bit_rate or table.rate
+                openers[name] = _can_opener(place, given.bit_rate, table.rate)
+                hints[name] = (
+                    f"nothing was received on {place.title}: are the drives on, at {rate} bit/s (--bitrate)?"
+                )
+    return node, openers, hints
 
 
 def _far(node: Node, slow: "Conditions | None") -> Node:
@@ -320,43 +317,6 @@ def _mode(name: str | None, robot_type: "AnyRobotType") -> str:
     return name or ""
 
 
-def _with_lines(machine: "AnyRobot", places: "Mapping[str, BusAddress]", given: DriveOptions) -> "AnyRobot":
-    """Return the robot with those links on serial lines that are at a serial port."""
-    from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
-    from firmware_bridge.drivers.shield.link_drivers import measured, over_protocol
-    from firmware_bridge.robot.settings.epos2 import Epos2Driver
-
-    if machine.shield_links:
-        spoken = given.protocol and given.protocol.value
-        return measured(over_protocol(machine, spoken, given.encoders))
-    if machine.ar2_links:
-        if given.protocol is not None or given.baud is not None:
-            raise refusal("--protocol and --baud: the board of an AR2 speaks one language, at one rate")
-        return machine
-    protocol, baud = generation_of(given.protocol), given.baud
-    on_lines = [name for name, place in places.items() if place.device is not None]
-    serial = any(table.driver is Epos2Driver.SERIAL for table in machine.links.values())
-    if not on_lines and not serial:
-        if protocol is not None or baud is not None:
-            raise refusal("--protocol and --baud are of a serial port; name it with --serial DEVICE")
-        return machine
-    return over_serial(machine, protocol, baud, links=on_lines or None)
-
-
-def _no_board(table: "ShieldLink | Ar2Link") -> str:
-    from firmware_bridge.robot.settings.ar2 import Ar2Link
-
-    if isinstance(table, Ar2Link):
-        return (
-            f"nothing was received on the line at {table.line_rate} Bd: is the board on, and was it flashed "
-            "with AR2 2.0?"
-        )
-    return (
-        f"nothing was received on the line at {table.line_rate} Bd: is the board on, and was it flashed with "
-        f"{table.protocol.value} (--protocol)?"
-    )
-
-
 def _serial_opener(machine: "AnyRobot", place: "BusAddress", rate: int) -> "Callable[[], Port]":
     from firmware_bridge.runtime.ports import ReturningLine
 
@@ -366,31 +326,10 @@ def _serial_opener(machine: "AnyRobot", place: "BusAddress", rate: int) -> "Call
     return lambda: ReturningLine(device, rate)
 
 
-def _nothing_received(spoken: Generation, rate: int) -> str:
-    other = _OTHER[spoken]
-    return (
-        f"nothing was received on the line, which was tried in {spoken.value} at {rate} Bd: is the drive "
-        f"on, and is it not {other.value} (--protocol {other.value})?"
-    )
-
-
 def _can_opener(place: "BusAddress", bit_rate: int | None, default: int) -> "Callable[[], Port]":
     from firmware_bridge.runtime.ports import open_can
 
     return lambda: open_can(place.interface, place.channel, bit_rate, default_bit_rate=default, say=say)
-
-
-def _title(machine: "AnyRobot", name: str, place: "BusAddress") -> str:
-    from firmware_bridge.robot.settings.epos2 import Epos2Driver
-    from firmware_bridge.robot.settings.shield import ShieldLink
-
-    table = machine.links[name]
-    if isinstance(table, ShieldLink):
-        return f"{place.title} ({table.protocol.value}, {table.line_rate} Bd)"
-    if table.driver is not Epos2Driver.SERIAL:
-        return place.title
-    line = f"{table.protocol.value}, {table.line_rate} Bd"
-    return f"{place.title} ({line}), node {table.gateway} passes on to the others"
 
 
 drive: Final = command(EXAMPLES, work=run)(DriveOptions)

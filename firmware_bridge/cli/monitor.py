@@ -24,6 +24,7 @@ from firmware_bridge.cli.options import (
     until,
 )
 from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.runtime import can_files
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
@@ -279,7 +280,7 @@ def _picture(given: MonitorOptions) -> "BusPicture":
     if link not in links:
         raise refusal(f"{robot.name} is on these buses: {', '.join(links)}; select one with --link")
     # Without the right bit rate the load would be wrong; the frames are decoded all the same.
-    rate = given.bit_rate or robot.epos2_link(link).bit_rate
+    rate = given.bit_rate or Epos2Link.of_link(robot, link).bit_rate
     expected = (*expected_on(robot, link), *_configured(given))
     return BusPicture(rate, expected, _sheet(given), epos2=_device(given))
 

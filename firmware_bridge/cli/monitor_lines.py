@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from firmware_bridge.cli.console import WRONG_INPUT, one_message, refusal, say
+from firmware_bridge.cli.fitted import linked
 from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.dissector import Carried, Dissector, kinds_of
-from firmware_bridge.drivers.shield.link_drivers import over_protocol
+from firmware_bridge.family import LinkOptions
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.recording import Direction, RecordingError, parse_chunk, side_of
 from firmware_bridge.robot import RobotFileError
@@ -51,7 +52,7 @@ def _kinds(order: LinesOrder) -> dict[str, str]:
     if order.robot is None:
         return {}
     with one_message(RobotFileError):
-        robot = over_protocol(find_robot(order.robot), order.protocol)
+        robot = linked(find_robot(order.robot), LinkOptions(order.protocol))
     # A link with bytes in a log of lines was driven over a line, whatever the robot file gives.
     return {name: SERIAL if kind == CAN else kind for name, kind in kinds_of(robot).items()}
 

@@ -1,15 +1,13 @@
 """Arguments and options that more than one command takes, so that they are spelt and explained once."""
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from firmware_bridge.cli.commands import completing
-from firmware_bridge.cli.console import one_message, refusal
+from firmware_bridge.cli.console import one_message
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
-from firmware_bridge.wire.maxon.frame import Generation
 
 RobotArgument = Annotated[
     str,
@@ -77,25 +75,6 @@ HomeOption = Annotated[
         show_default=False,
     ),
 ]
-
-
-class Spoken(StrEnum):
-    """Protocol of a serial line: to drives, or to a board with a motor shield."""
-
-    V1 = "v1"
-    V2 = "v2"
-    MW = "mw"
-    ROS_ARDUINO_BRIDGE = "ros-arduino-bridge"
-    ARDUINOIO = "arduinoio"
-    FIRMATA = "firmata"
-
-
-def generation_of(spoken: Spoken | None) -> Generation | None:
-    """Return the protocol of drives; that of a board ends the program with a message."""
-    known = [one.value for one in Generation]
-    if spoken is not None and spoken.value not in known:
-        raise refusal(f"--protocol {spoken.value}: drives speak {' or '.join(known)}")
-    return None if spoken is None else Generation(spoken.value)
 
 
 FirmwareOption = Annotated[

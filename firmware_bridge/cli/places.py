@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near
+from firmware_bridge.robot.table import Medium
 from firmware_bridge.slow_link.conditions import Conditions, ConditionsError, conditions
 
 SERIAL_WORD = "serial"
@@ -44,7 +45,7 @@ def places_of(robot: AnyRobot, texts: Sequence[str] | None, only: BusAddress) ->
 
     Capture systems are excluded: their places are in the robot file.
     """
-    links = [name for name in robot.links if name not in robot.capture_links]
+    links = [name for name, link in robot.links.items() if link.medium is not Medium.UDP]
     if not texts:
         if len(links) > 1:
             raise refusal(

@@ -12,13 +12,8 @@ from firmware_bridge import robot_types
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.tables import print_grid, print_lines, terminal
-from firmware_bridge.cli.watchdogs import RUNS_ON
-from firmware_bridge.drivers.shield.plan import shield_plan
+from firmware_bridge.family import family_of
 from firmware_bridge.robot import AnyRobot, RobotFileError
-from firmware_bridge.robot.settings.ar2 import Ar2Link
-from firmware_bridge.robot.settings.capture import CaptureLink
-from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
-from firmware_bridge.units import MILLISECOND
 
 EXAMPLES: Final = """Examples:
 
@@ -116,7 +111,7 @@ def _named(wanted: Iterable[str]) -> Iterator[tuple[str, Path]]:
 def _rows(robot: AnyRobot, path: Path) -> Iterator[tuple[str, str]]:
     """Yield what is shown of one robot: a heading, and its lines."""
     yield "axes", "\n".join(f"{axis.settings.number} {axis.title}" for axis in robot.axes)
-    yield "links", "\n".join(_link(robot, name) for name in robot.links)
+    yield "links", "\n".join(family_of(link).shown(robot, name) for name, link in robot.links.items())
     yield "file", str(path)
     yield "check", "[green]good[/]"
     weaker: dict[str, list[str]] = {}
@@ -129,26 +124,3 @@ def _rows(robot: AnyRobot, path: Path) -> Iterator[tuple[str, str]]:
     for those, checks in alike.items():
         whom = "all axes" if len(those) == len(robot.axes) else ", ".join(those)
         yield "weaker checks", "\n".join((f"{whom}, which lack a report:", *checks))
-
-
-def _link(robot: AnyRobot, name: str) -> str:
-    """Say what a link is, how often its devices are commanded, and how full a line to a board is then."""
-    link = robot.links[name]
-    every = f"every {link.every * robot.cycle_ms} ms"
-    if isinstance(link, CaptureLink):
-        return f"{name}: {link.driver.value} from {link.server}"
-    if isinstance(link, Ar2Link):
-        return f"{name}: {link.driver.value}, {link.line_rate} Bd, moves of {link.move_ms} ms\n{every}"
-    if not isinstance(link, ShieldLink):
-        return f"{name}: {link.driver.value}, {link.bit_rate // 1000} kbit/s\n{every}"
-    rows = [f"{name}: {link.driver.value}, {link.protocol.value}, {link.line_rate} Bd", every]
-    for protocol in ShieldProtocol:
-        other = robot.with_links({name: link.over(protocol, robot.cycle_ms, None)})
-        plan, table = shield_plan(other, name), other.shield_link(name)
-        rows.append(
-            f"{protocol.value}: {table.counted} encoders, a reversal takes {plan.time / MILLISECOND:.0f} of "
-            f"{plan.cycle // MILLISECOND} ms" + ("; NO WATCHDOG" if table.unwatched else "")
-        )
-    if link.unwatched:
-        rows.insert(1, f"NO WATCHDOG: {RUNS_ON}")
-    return "\n".join(rows)

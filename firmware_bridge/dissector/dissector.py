@@ -17,10 +17,10 @@ from firmware_bridge.node import CAN, MAXON, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import candump_frame
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.ar2 import Ar2Firmware
-from firmware_bridge.robot.settings.capture import CaptureDriver
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
-from firmware_bridge.robot.settings.shield import ShieldProtocol
+from firmware_bridge.robot.settings.ar2 import Ar2Firmware, Ar2Link
+from firmware_bridge.robot.settings.capture import CaptureDriver, CaptureLink
+from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
+from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
 from firmware_bridge.units import SECOND, Nanoseconds
 
 SHOWN: Final = 16
@@ -69,9 +69,9 @@ def kinds_of(robot: AnyRobot) -> dict[str, str]:
     """Return the kind of each of a robot's links, by its name, as it is on the wire."""
     drives = {Epos2Driver.CAN: CAN, Epos2Driver.SERIAL: SERIAL}
     return {
-        **{name: drives[link.driver] for name, link in robot.epos2_links.items()},
-        **{name: link.protocol for name, link in (robot.shield_links | robot.ar2_links).items()},
-        **{name: link.driver for name, link in robot.capture_links.items()},
+        **{name: drives[link.driver] for name, link in Epos2Link.all_of(robot).items()},
+        **{name: link.protocol for name, link in (ShieldLink.all_of(robot) | Ar2Link.all_of(robot)).items()},
+        **{name: link.driver for name, link in CaptureLink.all_of(robot).items()},
     }
 
 

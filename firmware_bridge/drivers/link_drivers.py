@@ -18,6 +18,10 @@ from firmware_bridge.robot.table import LinkTable
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 
+class PlanError(ValueError):
+    """A cycle that does not fit on its link: what is too long, by how much, and what to do."""
+
+
 class DeviceLink(Protocol):
     """The connection to the devices: their requests, and the heartbeat that shows the bridge is alive.
 

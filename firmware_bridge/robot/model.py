@@ -3,54 +3,44 @@
 import math
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import Annotated, Any, Final, Generic, Self, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Final, Generic, Self, TypeAlias, TypeVar
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import ConfigDict, Field, field_validator, model_validator
 
+from firmware_bridge.robot.family_tables import FamilyTable
 from firmware_bridge.robot.guard_table import GuardTable
 from firmware_bridge.robot.operator_link import OperatorLink
 from firmware_bridge.robot.plausibility import RUBS, STANDSTILL, Plausibility
-from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Device, Ar2Driver, Ar2Link
-from firmware_bridge.robot.settings.capture import (
-    CaptureBody,
-    CaptureDriver,
-    CaptureLink,
+from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Link
+from firmware_bridge.robot.settings.capture import CaptureLink
+from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis, Epos2Link
+from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldLink
+from firmware_bridge.robot.table import (
+    AxisTable,
+    Finite,
+    LinkTable,
+    Name,
     OdometryBounds,
+    Positive,
+    SettingsTable,
+    Table,
 )
-from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis, Epos2DigitalOutput, Epos2Link
-from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldDevice, ShieldDriver, ShieldLink
-from firmware_bridge.robot.table import Finite, Name, Positive, Table, discriminated_by, has_key, tag
 from firmware_bridge.robot.zero import Homing, Zero, ZeroFrom
 from firmware_bridge.units import MILLISECOND, RPM_PER_RAD_S, Nanoseconds
 
 G_co = TypeVar("G_co", bound=Table, covariant=True)
 
-AnyLink: TypeAlias = Annotated[
-    Annotated[Epos2Link, tag(Epos2Link)]
-    | Annotated[ShieldLink, tag(ShieldLink)]
-    | Annotated[Ar2Link, tag(Ar2Link)]
-    | Annotated[CaptureLink, tag(CaptureLink)],
-    discriminated_by(
-        "driver",
-        {ShieldLink: list(ShieldDriver), Ar2Link: list(Ar2Driver), CaptureLink: list(CaptureDriver)},
-        Epos2Link,
-    ),
-]
-AnyAxis: TypeAlias = Annotated[
-    Annotated[Epos2Axis, tag(Epos2Axis)]
-    | Annotated[ShieldAxis, tag(ShieldAxis)]
-    | Annotated[Ar2Axis, tag(Ar2Axis)],
-    discriminated_by("device", {ShieldAxis: list(ShieldDevice), Ar2Axis: list(Ar2Device)}, Epos2Axis),
-]
-AnySensor: TypeAlias = Annotated[
-    Annotated[Epos2AnalogueInput, tag(Epos2AnalogueInput)] | Annotated[CaptureBody, tag(CaptureBody)],
-    has_key("body", CaptureBody, Epos2AnalogueInput),
-]
-AnyOutput: TypeAlias = Epos2DigitalOutput
-"""One table for each family of drivers; those of which there are several make a union."""
-
+AnyLink: TypeAlias = Annotated[LinkTable, FamilyTable("link")]
+AnyAxis: TypeAlias = Annotated[AxisTable, FamilyTable("axis")]
+AnySensor: TypeAlias = Annotated[SettingsTable, FamilyTable("sensor")]
+AnyOutput: TypeAlias = Annotated[SettingsTable, FamilyTable("output")]
+"""One table for each family of devices that is installed."""
 
 MILLIAMPERES: Final = 1000.0
+
+
+LATER: Final = ConfigDict(defer_build=True)
+"""The families that are installed import this module: they are looked for when the first file is read."""
 
 
 class CommandForm(StrEnum):
@@ -78,6 +68,8 @@ class Unpowered(StrEnum):
 
 class Axis(Table):
     """One axis: what moves, how far and how fast it may, and the device that moves it."""
+
+    model_config = LATER
 
     name: Name
     title: str
@@ -224,6 +216,8 @@ class Axis(Table):
 class Sensor(Table):
     """One sensor beside the axes, on one of their links."""
 
+    model_config = LATER
+
     name: Name
     title: str
     link: Name
@@ -243,6 +237,8 @@ class Sensor(Table):
 
 class Output(Table):
     """Something that is switched: a lamp, a relay, a magnet."""
+
+    model_config = LATER
 
     name: Name
     title: str
@@ -276,6 +272,8 @@ class PlantFile(Table):
 
 class Robot(Table, Generic[G_co]):
     """A whole robot file, checked; `G_co` is its kind's table of geometry and limits."""
+
+    model_config = LATER
 
     name: Name
     kind: Name
@@ -342,8 +340,8 @@ class Robot(Table, Generic[G_co]):
     def located_by(self) -> tuple[str, OdometryBounds] | None:
         """The sensor by which the robot's pose is known, and how far without it; None: by odometry alone."""
         for sensor in self.sensors:
-            if isinstance(sensor.settings, CaptureBody) and sensor.settings.odometry is not None:
-                return sensor.name, sensor.settings.odometry
+            if sensor.settings.locates is not None:
+                return sensor.name, sensor.settings.locates
         return None
 
     def epos2_link(self, name: str) -> Epos2Link:
@@ -389,4 +387,8 @@ class Robot(Table, Generic[G_co]):
         return self.model_copy(update={"links": {**self.links, **links}})
 
 
-AnyRobot: TypeAlias = Robot[Any]
+if TYPE_CHECKING:
+    AnyRobot: TypeAlias = Robot[Any]
+else:
+    # Naming its parameter would make the schema here, before there are families.
+    AnyRobot = Robot

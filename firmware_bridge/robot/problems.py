@@ -3,9 +3,10 @@
 from collections.abc import Collection, Iterator
 from difflib import get_close_matches
 from enum import EnumType
-from typing import Final, NamedTuple, get_args
+from typing import Final, NamedTuple, Protocol, get_args, runtime_checkable
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 MOST_NAMES = 12
@@ -20,6 +21,14 @@ KINDS_OF_VALUES: Final = {
     "bool_type": "true or false",
 }
 """The required value in TOML's words, by the name of pydantic's error."""
+
+
+@runtime_checkable
+class HasTables(Protocol):
+    """The mark of a field in whose place one of several tables stands."""
+
+    def tables(self) -> tuple[type[BaseModel], ...]:
+        """Return the tables."""
 
 
 class Problem(NamedTuple):
@@ -107,7 +116,7 @@ def _keys_at(model: type[BaseModel], location: tuple[int | str, ...]) -> list[st
     table = model
     for place, part in enumerate(location):
         if isinstance(part, str) and part in table.model_fields:
-            inner = _table(table.model_fields[part].annotation, location[place + 1 :])
+            inner = _table(table.model_fields[part], location[place + 1 :])
             if inner is None:
                 return []
             table = inner
@@ -115,36 +124,52 @@ def _keys_at(model: type[BaseModel], location: tuple[int | str, ...]) -> list[st
 
 
 def _choices_at(model: type[BaseModel], location: tuple[int | str, ...]) -> list[object]:
-    table = model
+    table, others = model, [model]
     choices: list[object] = []
     for place, part in enumerate(location):
         if isinstance(part, str) and part in table.model_fields:
-            annotation = table.model_fields[part].annotation
-            inner = _table(annotation, location[place + 1 :])
+            field = table.model_fields[part]
+            inner = _table(field, location[place + 1 :])
             if inner is None:
-                kinds = [annotation, *get_args(annotation)]
-                choices = [one for kind in kinds for one in _members(kind)] or kinds[1:]
+                # A word that chooses between tables may be any of theirs.
+                fields = [other.model_fields[part] for other in others if part in other.model_fields]
+                choices = [one for each in fields for one in _choices(each.annotation)]
             else:
-                table = inner
+                table, others = inner, list(_tables_of(field))
     return choices
+
+
+def _choices(annotation: object) -> list[object]:
+    kinds = [annotation, *get_args(annotation)]
+    return [one for kind in kinds for one in _members(kind)] or kinds[1:]
 
 
 def _members(kind: object) -> list[object]:
     return list(kind.__members__.values()) if isinstance(kind, EnumType) else []
 
 
-def _table(annotation: object, rest: tuple[int | str, ...]) -> type[BaseModel] | None:
-    """Return the table that an annotation names; of several the one whose mark is the next in the place."""
+def _table(field: FieldInfo, rest: tuple[int | str, ...]) -> type[BaseModel] | None:
+    """Return the table of a field; of several the one whose mark is the next in the place."""
     marks = [part for part in rest if _is_tag(part)]
-    found = list(_tables(annotation))
+    found = list(_tables_of(field))
     marked = [table for table in found if marks and marks[0] == f"<{table.__name__}>"]
     return next(iter(marked or found), None)
+
+
+def _tables_of(field: FieldInfo) -> Iterator[type[BaseModel]]:
+    marks = [it for it in field.metadata if isinstance(it, HasTables)]
+    return iter(marks[0].tables()) if marks else _tables(field.annotation)
 
 
 def _tables(annotation: object) -> Iterator[type[BaseModel]]:
     """Yield the tables that an annotation names, however it wraps them."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
-    else:
-        for inner in get_args(annotation):
-            yield from _tables(inner)
+        return
+    inner = get_args(annotation)
+    marks = [it for it in inner if isinstance(it, HasTables)]
+    if marks:
+        yield from marks[0].tables()
+        return
+    for one in inner:
+        yield from _tables(one)

@@ -1,11 +1,13 @@
 """The common part of all tables of a robot file."""
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping, Sequence
 from enum import StrEnum
-from typing import Annotated, Any, Protocol, Self
+from typing import Annotated, Any, ClassVar, Protocol, Self
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
+from pydantic import BaseModel, ConfigDict, Field
+
+from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -21,33 +23,6 @@ class Table(BaseModel):
 
     # Strict: "0.1" is no number, so that a value with quotes is reported and not guessed.
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, str_strip_whitespace=True)
-
-
-def tag(table: type[Table]) -> Tag:
-    """Return the mark of one table of a union; as part of a mistake's place it is no one's key."""
-    return Tag(f"<{table.__name__}>")
-
-
-def discriminated_by(
-    key: str, tables: Mapping[type[Table], Collection[str]], other: type[Table]
-) -> Discriminator:
-    """Return what chooses a table of a union: the one that has the value under a key among its own."""
-
-    def chosen(raw: Any) -> str:
-        # Before the check the table is a dict, after it an object: a model is checked again as it is.
-        given = str(raw.get(key) if isinstance(raw, dict) else getattr(raw, key, None))
-        return tag(next((table for table, values in tables.items() if given in values), other)).tag
-
-    return Discriminator(chosen)
-
-
-def has_key(key: str, table: type[Table], other: type[Table]) -> Discriminator:
-    """Return what chooses between two tables of which only the first has a key, and needs it."""
-
-    def chosen(raw: Any) -> str:
-        return tag(table if (key in raw if isinstance(raw, dict) else hasattr(raw, key)) else other).tag
-
-    return Discriminator(chosen)
 
 
 class HasSettings(Protocol):
@@ -70,8 +45,39 @@ class HasLinks(Protocol):
         """The links by their names."""
 
 
+class HasAxes(Protocol):
+    """A robot, as far as its axes go."""
+
+    def axes_on(self, link: str) -> Sequence[Any]:
+        """Return the axes on a link."""
+
+
+class OdometryBounds(Table):
+    """Odometry's error bounds where the robot is not seen; see `firmware_bridge.motion.captured`."""
+
+    slips: Positive
+    """The share of the way, and of the turn, by which odometry may be wrong."""
+    lost_m: Positive
+    """Odometry alone may be wrong by so much before the robot is lost."""
+    slip_mps: Positive
+    """So fast, in the mean of half a second, it may move otherwise than its wheels turn."""
+    jump_m: Positive
+    """Largest distance of an accepted captured pose from odometry's expectation."""
+    jump_rad: Positive
+    silent_ms: Annotated[int, Field(ge=10, le=10_000)]
+    """A captured pose that is older does not show that the robot is seen."""
+
+    @property
+    def silent(self) -> Nanoseconds:
+        """Age limit of a captured pose."""
+        return self.silent_ms * MILLISECOND
+
+
 class SettingsTable(Table):
     """The part of an axis, a sensor or an output that its device's family defines: `settings`."""
+
+    VOLTAGE: ClassVar[bool] = False
+    """True for a sensor that may measure a voltage, as the battery's."""
 
     @classmethod
     def of(cls, row: HasSettings) -> Self:
@@ -79,6 +85,11 @@ class SettingsTable(Table):
         if not isinstance(row.settings, cls):
             raise TypeError(f"'{row.name}' has no {cls.__name__}, but a {type(row.settings).__name__}")
         return row.settings
+
+    @property
+    def locates(self) -> OdometryBounds | None:
+        """Odometry's bounds, where it is a sensor by which the robot's pose is known; None for all others."""
+        return None
 
 
 class AxisTable(SettingsTable):
@@ -110,6 +121,18 @@ class AxisTable(SettingsTable):
         del ratio
         return math.inf
 
+    def profile_rpm(self) -> float:
+        """Return the speed of the motor that its profile is made for; 0 where it has none."""
+        return 0.0
+
+
+class Medium(StrEnum):
+    """The carrier of a link, by the port that opens it."""
+
+    CAN = "can"
+    SERIAL = "serial"
+    UDP = "udp"
+
 
 class LinkTable(Table):
     """A link to devices, whatever they are: `[links.NAME]`."""
@@ -124,8 +147,53 @@ class LinkTable(Table):
     """The groups that stop when the link is lost, or an axis on it fails; the others go on. None for all."""
 
     @property
-    def unwatched(self) -> bool:
-        """True where its devices keep their last command when the bridge falls silent."""
+    def medium(self) -> Medium:
+        """Its carrier, which this machine opens."""
+        raise NotImplementedError
+
+    @property
+    def kind(self) -> str:
+        """The kind of its packets, as a recording has them: see `firmware_bridge.dissector`."""
+        return self.driver
+
+    @property
+    def rate(self) -> int:
+        """Bit rate of the bus or the line, bit/s; 0 where it has none."""
+        return 0
+
+    @property
+    def latency_us(self) -> int:
+        """Longest time that this machine's serial port may keep received bytes."""
+        return 0
+
+    @property
+    def place(self) -> str:
+        """Where this machine listens, HOST:PORT, on a link whose place is in the robot file."""
+        return ""
+
+    @property
+    def described(self) -> str:
+        """Protocol and further devices behind its port, as text; empty for a bus."""
+        return ""
+
+    @property
+    def silent_hint(self) -> str:
+        """What to check where nothing was received on a line."""
+        return ""
+
+    @property
+    def unwatched(self) -> str:
+        """What its devices do when the bridge falls silent, as text; empty where they stop by themselves."""
+        return ""
+
+    @property
+    def unwatched_remedy(self) -> str:
+        """What gives them a watchdog."""
+        return ""
+
+    @property
+    def accepts_unwatched(self) -> bool:
+        """True where the robot file permits to drive them all the same."""
         return False
 
     @classmethod

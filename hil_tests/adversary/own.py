@@ -11,6 +11,7 @@ from emulators.bench.columns import motor_speed
 from emulators.bench.faults.plant import GripLost
 from emulators.rig import Rig
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.ar2 import Ar2Link
 from firmware_bridge.units import STANDARD_GRAVITY
 from fmu.plants import find as find_plant
 from hil_tests.adversary.beyond import RIM, SPEEDS_UP
@@ -238,13 +239,13 @@ def _workspace(robot: AnyRobot, rig: Rig) -> float:
 
 
 def _joints(robot: AnyRobot, rig: Rig) -> float:
-    axes = [axis for axis in robot.axes if axis.link in robot.ar2_links]
+    axes = [axis for axis in robot.axes if axis.link in Ar2Link.all_of(robot)]
     shares = [abs(mean_rate(rig, joint(axis.name))) / (COUNTED * axis.top_speed) for axis in axes]
     return float(max(shares))
 
 
 def _steps(robot: AnyRobot, rig: Rig) -> float:
-    axes = [axis.name for axis in robot.axes if axis.link in robot.ar2_links]
+    axes = [axis.name for axis in robot.axes if axis.link in Ar2Link.all_of(robot)]
     return max(abs(float(rig.samples[-1][f"lag_{name}_rad"])) / (2.0 * STEP_RAD) for name in axes)
 
 

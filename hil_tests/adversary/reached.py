@@ -13,6 +13,7 @@ from emulators.bench.faults.board import (
 )
 from emulators.rig import BRIDGE, Rig
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import NEVER
 
 STARTS_AGAIN: Final = {it.kind for it in (BoardBrownOut, BoardHangs, BoardReset, BoardUnpowered, I2cStuck)}
@@ -23,9 +24,9 @@ class Reached:
 
     def __init__(self, robot: AnyRobot) -> None:
         self._axes: Final = {
-            name: frozenset(axis.name for axis in robot.axes_on(name)) for name in robot.shield_links
+            name: frozenset(axis.name for axis in robot.axes_on(name)) for name in ShieldLink.all_of(robot)
         }
-        self._stop: Final = {name for name, link in robot.shield_links.items() if link.stops_itself}
+        self._stop: Final = {name for name, link in ShieldLink.all_of(robot).items() if link.stops_itself}
 
     def loads(self, rig: Rig) -> frozenset[str]:
         """Return the axes whose board is in its boot loader: no auto-stop of a sketch runs there."""

@@ -15,7 +15,9 @@ from emulators.rig import BRIDGE, SECOND_BRIDGE, Rig
 from firmware_bridge.bridge import Phase
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.robot import AnyRobot, Axis, GuardExclusive, GuardSum, Unpowered
+from firmware_bridge.robot.settings.ar2 import Ar2Link
 from firmware_bridge.robot.settings.epos2 import Epos2Link
+from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 from hil_tests.adversary.beyond import LOADER
 from hil_tests.adversary.own import OWN, ROUNDED, Own, gives, joint, mean_rate
@@ -119,7 +121,7 @@ class Truth:
         """The axes whose drives have a watch of their own over the bridge."""
         self._free: Final = {axis.name for axis in robot.axes if axis.unpowered is Unpowered.FREE}
         self._reached: Final = Reached(robot)
-        self._counted: Final = {axis.name for axis in robot.axes if axis.link in robot.ar2_links}
+        self._counted: Final = {axis.name for axis in robot.axes if axis.link in Ar2Link.all_of(robot)}
         """The axes without an encoder: the plant has their joints' angles, and no motor's."""
         self.let_go_at: tuple[float, float] | None = None
         """Pose in which the base rested when it last had power; None where it did not rest."""
@@ -192,7 +194,9 @@ def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
     """Return the rows of a robot."""
     slowest = {axis.name: STANDS * axis.top_speed for axis in robot.axes}
     free = {axis.name for axis in robot.axes if axis.unpowered is Unpowered.FREE}
-    stops_itself = [link.auto_stop_ms / 1000.0 for link in robot.shield_links.values() if link.stops_itself]
+    stops_itself = [
+        link.auto_stop_ms / 1000.0 for link in ShieldLink.all_of(robot).values() if link.stops_itself
+    ]
     forgets_s = max(stops_itself, default=0.0) + FORGETS_S
 
     def may_not_move(look: Look) -> float:
@@ -209,7 +213,9 @@ def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
         names = look.powered & look.unreached & look.loads - look.runs_on
         return max((look.moves(name, slowest) for name in names), default=0.0)
 
-    may_not_s = MAY_NOT_S + max((link.boots / 1000.0 for link in robot.shield_links.values()), default=0.0)
+    may_not_s = MAY_NOT_S + max(
+        (link.boots / 1000.0 for link in ShieldLink.all_of(robot).values()), default=0.0
+    )
 
     def unattended(look: Look) -> float:
         return 2.0 * bool(look.gone and look.powered - look.runs_on)

@@ -10,6 +10,8 @@ from emulators.testing.rig import STEP_S, VirtualRig
 from firmware_bridge.bridge.stops import Progress
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.objects import ERROR_HISTORY_COUNT
+from firmware_bridge.robot.settings.ar2 import Ar2Link
+from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import MILLISECOND
 from hil_tests.failures.causes import (
     COMMON,
@@ -167,7 +169,7 @@ def _begin(rig: VirtualRig, case: Case) -> None:
     what = _fault(rig, cause)
     if what is not None:
         hit = {"node": motion.axis or HIT[rig.robot.kind]} if what.hits else {}
-        boards = [*rig.robot.shield_links, *rig.robot.ar2_links]
+        boards = [*ShieldLink.all_of(rig.robot), *Ar2Link.all_of(rig.robot)]
         link = {"link": boards[0]} if what.kind.startswith("board_") and len(boards) > 1 else {}
         rig.fault(what.kind, **hit, **link, **what.keys)
     if cause.returns_to_neutral:
@@ -179,13 +181,13 @@ def _begin(rig: VirtualRig, case: Case) -> None:
 def _fault(rig: VirtualRig, cause: Cause) -> Fault | None:
     if cause.fault is None or isinstance(cause.fault, Fault):
         return cause.fault
-    boards = rig.robot.shield_links or rig.robot.ar2_links
+    boards = ShieldLink.all_of(rig.robot) or Ar2Link.all_of(rig.robot)
     return cause.fault["board" if boards else "serial" if rig.bench.lines else "can"]
 
 
 def _watched(rig: VirtualRig, motion: Motion) -> tuple[float, float | None]:
     """Return how far it went, m, and when it stood, s; None where it did not stand."""
-    looks = LOOKS if rig.robot.ar2_links else 1
+    looks = LOOKS if Ar2Link.all_of(rig.robot) else 1
     began, rest, way, places = rig.now, 0.0, 0.0, [_place(rig, motion)]
     while rig.now < began + min(WATCHED_S, rest + STILL_S):
         rig.runs(STEP_S)

@@ -16,6 +16,7 @@ from emulators.devices import plant_parameters
 from emulators.stepper_bank import ANGLES, INPUTS
 from firmware_bridge import robot_types
 from firmware_bridge.cli import program
+from firmware_bridge.robot.settings.ar2 import Ar2Link
 from fmu.build import ensure
 from fmu.errors import PlantError, UnknownNameError
 from fmu.plants import find, names
@@ -234,10 +235,10 @@ def test_problems_are_named_and_make_status_1(
 def requested_of_a_plant(name: str) -> list[str]:
     """Return the bench's needs of an installed robot's plant: axes, supply, and columns to draw."""
     robot = robot_types.find(name)
-    motors = [axis.name for axis in robot.axes if axis.link not in robot.ar2_links]
+    motors = [axis.name for axis in robot.axes if axis.link not in Ar2Link.all_of(robot)]
     axes = [f"{quantity}_{axis}" for quantity in ("voltage", "current", "angle", "speed") for axis in motors]
     supply = ("battery_voltage",) if motors else ()
-    joints = (*INPUTS, *ANGLES) if robot.ar2_links else ()
+    joints = (*INPUTS, *ANGLES) if Ar2Link.all_of(robot) else ()
     drawn = (column.plant for column in bench_setup_of(robot).columns if column.plant)
     return list(dict.fromkeys((*axes, *supply, *joints, *drawn)))
 

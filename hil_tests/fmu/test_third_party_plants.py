@@ -28,6 +28,7 @@ from firmware_bridge.cli import program
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, from_seconds
@@ -268,7 +269,10 @@ def test_a_plant_that_fails_under_way_ends_the_run_with_its_time(
 def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(new_stations: dict[str, Path]) -> None:
     robot = robot_with(fails_at=3.6)
     emulated = devices(robot, new_stations["PythonFMU"])
-    bus, air = CanWire(robot.epos2_link("drives").bit_rate), DatagramWire(0, 0, 0.0, np.random.default_rng(0))
+    bus, air = (
+        CanWire(Epos2Link.of_link(robot, "drives").bit_rate),
+        DatagramWire(0, 0, 0.0, np.random.default_rng(0)),
+    )
     bridge, world = Bridge(robot, ROBOT_TYPE), World()
     process = Process(Cluster(emulated.drives, emulated.bank))
     world.attach("emulator", process, {CAN: bus})

@@ -6,6 +6,7 @@ from typing import Final
 from firmware_bridge.drivers.all_drivers import alone
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.operator_link import OperatorLink
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.robot.table import LinkTable
 from hil_tests.hazards.rows import Function, Trips
 
@@ -49,7 +50,7 @@ def _not_timestamped(robot: AnyRobot) -> str:
 
 
 def _look(robot: AnyRobot) -> str:
-    times = {link.bridge_silent_ms for link in robot.epos2_links.values()}
+    times = {link.bridge_silent_ms for link in Epos2Link.all_of(robot).values()}
     shown = " or ".join(f"{time} ms" for time in sorted(times))
     return f"another controller's frame within {shown} before the first frame is sent"
 
@@ -214,7 +215,7 @@ BESIDE: Final = (
         f"{SCENARIOS}/test_stop_stories.py::test_a_second_bridge_refuses_to_start_and_states_why",
         (),
         "it sends nothing, and exits",
-        lambda robot: bool(robot.epos2_links),
+        lambda robot: bool(Epos2Link.all_of(robot)),
     ),
     Function(
         "station in control",

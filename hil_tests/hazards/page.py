@@ -6,6 +6,8 @@ from typing import Final, NamedTuple, TypeAlias
 from emulators.testing.inherited.fake_driver import cases_of
 from firmware_bridge.drivers.all_drivers import reports_of
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Link
+from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.robot_type import AnyRobotType
 from firmware_bridge.robot_types import find, robot_type_named
 from firmware_bridge.safety.common import AXIS_INTERLOCKS, EXCLUDED_AXIS, whole_robot_interlocks
@@ -132,7 +134,7 @@ def reaction(interlock: InterlockBase, robot: AnyRobot) -> str:
         ramps = interlock.severity is Severity.INFO
         return "the ramp takes longer; reported" if ramps else "the command is clipped; reported"
     if interlock.name == "emergency stop":
-        powered = robot.epos2_links or robot.shield_links
+        powered = Epos2Link.all_of(robot) or ShieldLink.all_of(robot)
         off = "ramp, then no power where the robot does not roll: comparable to SS1"
         return f"{off if powered else 'no further move; the motors keep their current'}; latched; disarmed"
     who = "everything stops" if interlock.stops is None else f"{' and '.join(sorted(interlock.stops))} stops"

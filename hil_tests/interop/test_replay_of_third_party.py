@@ -12,6 +12,7 @@ from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.node import CAN
 from firmware_bridge.recording import candump_line
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import SECOND
 from hil_tests.interop.virtual_master import PdoMaster
@@ -33,7 +34,7 @@ def session(emulated: Devices, sheet: Path) -> list[str]:
     `hil_tests/recordings/rars/canopen-master.log.xz` is such a session.
     """
     log: list[str] = []
-    world, wire = World(emulated.bank), CanWire(RARS.epos2_link("drives").bit_rate)
+    world, wire = World(emulated.bank), CanWire(Epos2Link.of_link(RARS, "drives").bit_rate)
     wire.observe(lambda now, _, packet: log.append(candump_line(now, packet, "can0", REAL)))
     for name, drive in emulated.drives.items():
         world.attach(name, drive, {CAN: wire})

@@ -22,7 +22,7 @@ from emulators.starter.package import written
 from emulators.starter.tuning import velocity_gains
 from firmware_bridge.cli import program
 from firmware_bridge.robot.model import Unpowered
-from firmware_bridge.robot.settings.epos2 import Epos2Device
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Device
 from firmware_bridge.robot_types import find
 
 ROOT: Final = Path(__file__).parents[2]
@@ -153,7 +153,7 @@ def test_the_example_is_what_it_writes_and_what_was_added_to_it() -> None:
 
 def test_the_rule_for_gains_gives_those_that_rars_was_tuned_to() -> None:
     """RARS's wheels: 70 kg on two RE50 behind 26:1; tuned on the plant before there was a rule."""
-    tuned = find("rars").axis("left_wheel").epos2.gains
+    tuned = Epos2Axis.of(find("rars").axis("left_wheel")).gains
     inertia = 536e-7 + (35.0 * 0.05**2 + 465e-6) / 26.0**2
     gains = velocity_gains(MOTORS["RE50"], inertia, 24.0)
     assert (gains.current_p, gains.current_i) == (tuned.current_p, tuned.current_i)

@@ -12,6 +12,8 @@ from firmware_bridge.drivers.shield.link_drivers import measured, over_protocol
 from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import RobotFileError
+from firmware_bridge.robot.settings.capture import CaptureLink
+from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.robot_types import find, parse, robots
 from firmware_bridge.robots.rome import ROBOT_TYPE
 from firmware_bridge.robots.rome.motion import RomeMotion
@@ -42,7 +44,7 @@ def test_its_further_file_adds_cameras_and_changes_nothing_else() -> None:
     assert "rome+cameras" in robots()
     assert ROBOT.located_by is not None
     assert plain.located_by is None
-    assert ROBOT.capture_links.keys() == {"cameras"}
+    assert CaptureLink.all_of(ROBOT).keys() == {"cameras"}
     both = {"links": plain.links, "sensors": plain.sensors}
     assert ROBOT.model_copy(update=both) == plain
 
@@ -73,10 +75,10 @@ def test_before_it_is_seen_the_guide_commands_nothing_and_the_path_begins_where_
 
 @pytest.mark.parametrize("protocol", ["mw", "arduinoio", "firmata"])
 def test_two_encoders_are_enough_where_cameras_see_the_base(protocol: str) -> None:
-    assert measured(over_protocol(ROBOT, protocol)).shield_link("board").counted == 2
+    assert ShieldLink.of_link(measured(over_protocol(ROBOT, protocol)), "board").counted == 2
     with pytest.raises(RobotFileError, match=r"2 encoders, and not that of motor M3 .*let cameras see it"):
         measured(over_protocol(find("rome"), protocol))
-    assert measured(over_protocol(find("rome"), protocol, 3)).shield_link("board").counted == 3
+    assert ShieldLink.of_link(measured(over_protocol(find("rome"), protocol, 3)), "board").counted == 3
 
 
 @pytest.mark.parametrize("words", [["bench"], ["drive", "--serial", "/dev/null"]])

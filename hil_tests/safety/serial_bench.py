@@ -6,6 +6,7 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard import Refusal, guarded
 from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
@@ -19,7 +20,7 @@ from hil_tests.safety.guard_bench import LINK, ScriptedNode
 
 def _over_serial(robot: AnyRobot) -> AnyRobot:
     """Return the same robot, driven over the serial port of its first drive."""
-    return robot.with_links({LINK: robot.epos2_link(LINK).over_serial(1, None, None)})
+    return robot.with_links({LINK: Epos2Link.of_link(robot, LINK).over_serial(1, None, None)})
 
 
 ROBOT: Final = _over_serial(find("rars"))

@@ -7,6 +7,7 @@ from typing import Final
 
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from hil_tests.safety.guard_bench import Bench
 from hil_tests.safety.guard_robots import AnAxis, robot_with
@@ -70,7 +71,7 @@ class Motors:
 
     def __init__(self, robot: AnyRobot) -> None:
         self.robot = robot
-        self.speeds = dict.fromkeys((axis.epos2.node for axis in robot.axes), 0.0)
+        self.speeds = dict.fromkeys((Epos2Axis.of(axis).node for axis in robot.axes), 0.0)
         self.now: Nanoseconds = 0
         self.beyond_since: list[Nanoseconds] = [NEVER] * (2 * len(robot.guard.sums))
         self.excess = [0.0] * (2 * len(robot.guard.sums))

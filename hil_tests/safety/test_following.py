@@ -8,6 +8,8 @@ import pytest
 
 from firmware_bridge.drivers.driver import Position, SetPoint, Speed, Stop
 from firmware_bridge.robot.plausibility import Plausibility
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
+from firmware_bridge.robot.settings.shield import ShieldAxis
 from firmware_bridge.robot_types import find, names
 from firmware_bridge.safety.tracking import bounds_of, within
 from firmware_bridge.units import MILLISECOND, SECOND
@@ -24,16 +26,18 @@ def test_what_a_shield_s_axis_leaves_out_is_worked_out_from_its_regulator() -> N
     robot = find("rome")
     for axis in robot.axes:
         bounds = bounds_of(robot, axis)
-        assert bounds.ramp == 0.5 * axis.shield.acceleration
-        assert bounds.cruise == pytest.approx(0.5 * axis.shield.full_speed_rpm * math.tau / 60.0 / axis.ratio)
+        assert bounds.ramp == 0.5 * ShieldAxis.of(axis).acceleration
+        assert bounds.cruise == pytest.approx(
+            0.5 * ShieldAxis.of(axis).full_speed_rpm * math.tau / 60.0 / axis.ratio
+        )
         assert bounds.position == pytest.approx(axis.top_speed / 40.0)
 
 
-@pytest.mark.parametrize("name", [name for name in names() if find(name).epos2_links])
+@pytest.mark.parametrize("name", [name for name in names() if Epos2Link.all_of(find(name))])
 def test_what_a_robot_file_leaves_out_is_worked_out(name: str) -> None:
     robot = find(name)
     for axis in robot.axes:
-        bounds, drive = bounds_of(robot, axis), axis.epos2.profile
+        bounds, drive = bounds_of(robot, axis), Epos2Axis.of(axis).profile
         rpm = 2.0 * math.pi / 60.0 / axis.ratio
         gentlest = min(drive.acceleration_rpm_s, drive.deceleration_rpm_s, drive.quick_stop_rpm_s)
         assert bounds.speed == bounds.position == pytest.approx(axis.top_speed / 40.0)
@@ -41,9 +45,9 @@ def test_what_a_robot_file_leaves_out_is_worked_out(name: str) -> None:
         assert bounds.ramp == pytest.approx(0.5 * gentlest * rpm)
         assert bounds.cruise == pytest.approx(0.5 * drive.velocity_rpm * rpm)
         assert bounds.lag_s == 0.1 + 2 * robot.cycle / SECOND
-        within_ms = axis.plausibility.within_ms or robot.epos2_link(axis.link).silent_ms
+        within_ms = axis.plausibility.within_ms or Epos2Link.of_link(robot, axis.link).silent_ms
         assert bounds.creep == pytest.approx(axis.standstill_below * within_ms / 1000)
-        assert axis.holds_with == axis.epos2.continuous_current_ma / 1000
+        assert axis.holds_with == Epos2Axis.of(axis).continuous_current_ma / 1000
 
 
 def test_what_a_robot_file_states_counts() -> None:
@@ -89,7 +93,7 @@ def test_each_key_of_a_robot_file_changes_its_own_bound_alone(
 
 
 def test_a_link_of_every_second_cycle_has_twice_the_way() -> None:
-    slower = RARS.epos2_link("drives").model_copy(update={"every": 2})
+    slower = Epos2Link.of_link(RARS, "drives").model_copy(update={"every": 2})
     assert bounds_of(RARS.with_links({"drives": slower}), WHEEL).lag_s == pytest.approx(0.3)
 
 

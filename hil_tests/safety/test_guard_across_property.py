@@ -10,6 +10,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from hil_tests.lanes import examples
 from hil_tests.safety.guard_bench import Bench, position, wheel
@@ -24,7 +25,7 @@ def frames(draw: st.DrawFn, robot: AnyRobot) -> tuple[Nanoseconds, list[Packet]]
     after = draw(st.sampled_from([0, 1, 7, 20, 25, 49, 50, 51, 100]))
     stated = st.builds(
         speed,
-        st.sampled_from([axis.epos2.node for axis in robot.axes]),
+        st.sampled_from([Epos2Axis.of(axis).node for axis in robot.axes]),
         st.sampled_from([0, 200, 600, 900, TOP, -TOP, -600, TOP + 1]) | st.integers(-TOP, TOP),
         st.sampled_from([ENABLE, ENABLE, ENABLE, ENABLE, 0x010F, 0x0006]),
     )

@@ -11,6 +11,7 @@ import pytest
 from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Link
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard.ar2 import Ar2Rules, GuardedJoint, move_of
 from firmware_bridge.wire.arduino import ar2 as words
@@ -108,8 +109,8 @@ def test_a_move_is_no_longer_than_the_file_states_and_never_longer_than_100_ms(
 @pytest.mark.parametrize("sign", [1, -1])
 def test_no_joint_goes_further_in_a_move_than_its_top_speed_allows(number: int, sign: int) -> None:
     """Its steps in one cycle of the arm, and one for rounding."""
-    axis = next(it for it in ROBOT.axes if it.ar2.joint == number)
-    cycle_s = ROBOT.cycle * ROBOT.ar2_link(ARM).every / 1e9
+    axis = next(it for it in ROBOT.axes if Ar2Axis.of(it).joint == number)
+    cycle_s = ROBOT.cycle * Ar2Link.of_link(ROBOT, ARM).every / 1e9
     most = math.floor(axis.top_speed * 400 * abs(axis.ratio) / math.tau * cycle_s) + 1
     rules = rules_of(places=500)
     before = (0,) * (number - 1)
@@ -135,7 +136,7 @@ def test_who_moves_is_known_until_the_end_of_the_move_is_proved() -> None:
     rules = rules_of()
     assert not any(joint.moving or joint.powered for joint in joints(rules))
     requested = rules.requested_by(line(move(0, 3, 0, -3)))
-    assert {joint.axis.ar2.joint for joint, one in requested.items() if one.moves} == {2, 4}
+    assert {Ar2Axis.of(joint.axis).joint for joint, one in requested.items() if one.moves} == {2, 4}
     assert {one.speed for one in requested.values()} == {0.0}
     sends(rules, move(0, 3, 0, -3))
     assert [joint.powered for joint in joints(rules)] == [False, True, False, True, False, False]
@@ -224,7 +225,7 @@ def test_what_other_axes_must_know_of_a_joint() -> None:
     joint = joints(rules_of())[0]
     assert (joint.homes, joint.homes_within_s, joint.speed) == (False, 0.0, 0.0)
     assert joint.commanded_at < -1_000_000 * 10**9, "nothing was sent yet"
-    assert joint.cycle == ROBOT.cycle * ROBOT.ar2_link(ARM).every
+    assert joint.cycle == ROBOT.cycle * Ar2Link.of_link(ROBOT, ARM).every
 
 
 def test_a_joint_moves_though_no_one_has_stated_where_the_others_stand() -> None:

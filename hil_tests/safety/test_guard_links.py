@@ -11,6 +11,7 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.node import LINE_LOST
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.safety.guard import Guarded
 from firmware_bridge.safety.guard.epos2_can import Epos2CanRules
 from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
@@ -142,7 +143,7 @@ def writing(address: Address, value: int) -> Packet:
 def mixed() -> Bench:
     """The same, but the tail is on a serial line."""
     robot = made(sums={"both": ({"front": 1.0, "rear": 1.0}, 1200.0)})
-    return Bench(robot.with_links({"tail": robot.epos2_link("tail").over_serial(1, None, None)}))
+    return Bench(robot.with_links({"tail": Epos2Link.of_link(robot, "tail").over_serial(1, None, None)}))
 
 
 def test_a_bus_and_a_serial_line_live_side_by_side(mixed: Bench) -> None:

@@ -11,6 +11,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import CommandForm
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard.epos2_can import Epos2CanRules
 from firmware_bridge.units import MILLISECOND, NEVER
@@ -51,7 +52,7 @@ ANYTHING: Final = st.builds(
 )
 SPEECH: Final = st.lists(SET_POINTS | SET_POINTS | REQUESTS | NETWORK | ANYTHING, max_size=6)
 NODE_OF: Final = {0x501: 1, 0x502: 2, 0x403: 3, 0x404: 4}
-COMMAND_OF: Final = {axis.epos2.node: axis.command for axis in ROBOT.axes}
+COMMAND_OF: Final = {Epos2Axis.of(axis).node: axis.command for axis in ROBOT.axes}
 
 
 class AnySpeech(RuleBasedStateMachine):

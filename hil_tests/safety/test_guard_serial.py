@@ -11,6 +11,7 @@ from firmware_bridge.drivers.epos2.serial.link import guarding, heartbeat
 from firmware_bridge.drivers.epos2.setup import configuration, farewell, through_gateway
 from firmware_bridge.node import CAN, LINE_BACK, OPERATOR
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.messages import Request, SendCanFrame, SendNmtService, WriteObject
@@ -55,8 +56,8 @@ def desk() -> SerialBench:
     *(word(LEFT, value) for value in (0, 2, 6, 7, QUICK_STOP, ENABLE, HALT, 0x80)),
     word(STEER, NEW_POSITION),
     reading(4, od.STATUSWORD),
-    states(heartbeat(ROBOT.epos2_link(LINK))),
-    states(guarding(ROBOT.epos2_link(LINK), NODES)),
+    states(heartbeat(Epos2Link.of_link(ROBOT, LINK))),
+    states(guarding(Epos2Link.of_link(ROBOT, LINK), NODES)),
     *(states(SendNmtService(node, NmtCommand.START)) for node in (0, 1, 2, 3, 4)),
 ])  # fmt: skip
 def test_what_is_listed_leaves_as_it_is(desk: SerialBench, packet: Packet) -> None:
@@ -73,12 +74,12 @@ def confirms_no_power(desk: SerialBench, node: int) -> None:
 
 
 def test_the_whole_set_up_of_every_drive_leaves_as_it_is(desk: SerialBench) -> None:
-    link = ROBOT.epos2_link(LINK)
+    link = Epos2Link.of_link(ROBOT, LINK)
     for axis in ROBOT.axes:
         flows = through_gateway(axis, link, NODES)
-        confirms_no_power(desk, axis.epos2.node)
+        confirms_no_power(desk, Epos2Axis.of(axis).node)
         for row in (*configuration(axis, link, traffic=flows), *farewell()):
-            packet = writing(axis.epos2.node, row.address, row.raw)
+            packet = writing(Epos2Axis.of(axis).node, row.address, row.raw)
             assert desk.states(packet) == (packet,), row
     assert desk.guard.refused == 0
 
@@ -122,7 +123,7 @@ def test_what_is_not_listed_does_not_leave(desk: SerialBench, packet: Packet, re
 
 
 def test_the_gateway_watches_another_drive_and_the_others_the_bridge() -> None:
-    watched = [ROBOT.epos2_link(LINK).watched_by(node, NODES) for node in NODES]
+    watched = [Epos2Link.of_link(ROBOT, LINK).watched_by(node, NODES) for node in NODES]
     assert watched == [2, 100, 100, 100]
 
 

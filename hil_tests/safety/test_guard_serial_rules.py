@@ -9,6 +9,7 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.node import LINE_LOST
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot.settings.capture import CaptureLink
 from firmware_bridge.robot_types import find, names
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.safety.guard.axis import GuardedAxis
@@ -118,7 +119,7 @@ def test_a_line_that_is_gone_answers_nothing() -> None:
 def test_every_link_of_every_robot_has_rules_and_every_axis_knows_all(robot: str) -> None:
     machine = find(robot)
     guard = guarded(ScriptedNode(), machine)
-    assert guard.links.keys() == machine.links.keys() | machine.capture_links.keys()
+    assert guard.links.keys() == machine.links.keys() | CaptureLink.all_of(machine).keys()
     axes = [axis for rules in guard.links.values() for axis in rules.axes]
     assert {axis.axis.name for axis in axes} == {axis.name for axis in machine.axes}
     for axis in axes:

@@ -5,6 +5,7 @@ from typing import Final
 import pytest
 
 from firmware_bridge.drivers.shield.link_drivers import over_protocol
+from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard.shield_commands import (
     READERS,
@@ -28,7 +29,7 @@ AHEAD_0: Final = Inputs(0, in1=True, in2=False)
 
 
 def board(protocol: str, libraries: tuple[str, ...] = mw.LIBRARIES) -> Board:
-    return Board(over_protocol(find("rome"), protocol).shield_link("board"), (1, 2, 3), libraries)
+    return Board(ShieldLink.of_link(over_protocol(find("rome"), protocol), "board"), (1, 2, 3), libraries)
 
 
 def encoder(*data: int) -> bytes:

@@ -9,6 +9,7 @@ import pytest
 from firmware_bridge.drivers.epos2.setup import configuration, farewell
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2DigitalOutput, Epos2Link
 from hil_tests.safety.guard_bench import LINK, Bench, aborted, frame, raw, status, write
 from hil_tests.safety.guard_robots import RARS, AnAxis, robot_with
 
@@ -88,7 +89,7 @@ def with_ramps(robot: AnyRobot, **ramps: int) -> AnyRobot:
     """Return a robot whose drives have these accelerations."""
     axes = []
     for axis in robot.axes:
-        profile = axis.epos2.profile.model_copy(update=ramps)
+        profile = Epos2Axis.of(axis).profile.model_copy(update=ramps)
         axes.append(
             axis.model_copy(update={"settings": axis.settings.model_copy(update={"profile": profile})})
         )
@@ -167,13 +168,13 @@ def test_acceleration_deceleration_and_quick_stop_have_a_bound_each(
 def test_gains_are_those_of_the_robot_file(robot: AnyRobot, index: int, subindex: int, name: str) -> None:
     for axis in robot.axes:
         bench = Bench(robot)
-        gain = getattr(axis.epos2.gains, name)
-        packet = write(axis.epos2.node, index, subindex, raw(gain, 2))
+        gain = getattr(Epos2Axis.of(axis).gains, name)
+        packet = write(Epos2Axis.of(axis).node, index, subindex, raw(gain, 2))
         assert bench.states(packet) == (packet,)
         for other in (gain + 1, gain - 1):
-            assert bench.refuses(write(axis.epos2.node, index, subindex, raw(other, 2)))[1] == aborted(
-                axis.epos2.node, index, subindex
-            )
+            assert bench.refuses(write(Epos2Axis.of(axis).node, index, subindex, raw(other, 2)))[
+                1
+            ] == aborted(Epos2Axis.of(axis).node, index, subindex)
 
 
 @pytest.mark.parametrize(
@@ -277,9 +278,9 @@ def test_the_whole_set_up_of_every_drive_leaves_as_it_is(robot: AnyRobot) -> Non
     """Driver and guard share no code: what one writes the other must list."""
     bench = Bench(robot)
     for axis in robot.axes:
-        outputs = [output for output in robot.outputs if output.settings.axis == axis.name]
-        bench.receives(status(axis.epos2.node, 0x0140))
-        for row in (*configuration(axis, robot.epos2_link(LINK), outputs), *farewell()):
-            packet = write(axis.epos2.node, *row.address, row.raw)
+        outputs = [output for output in robot.outputs if Epos2DigitalOutput.of(output).axis == axis.name]
+        bench.receives(status(Epos2Axis.of(axis).node, 0x0140))
+        for row in (*configuration(axis, Epos2Link.of_link(robot, LINK), outputs), *farewell()):
+            packet = write(Epos2Axis.of(axis).node, *row.address, row.raw)
             assert bench.states(packet) == (packet,), row
     assert bench.guard.refused == 0

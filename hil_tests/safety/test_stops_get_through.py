@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 from emulators.testing.errors import RigError
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.bridge.stops import Progress
-from firmware_bridge.drivers.all_drivers import STOP_STAGES
+from firmware_bridge.drivers.all_drivers import stop_stages_of
 from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN, sequence, sums
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.runtime.runner import STOP_WITHIN
 from firmware_bridge.units import to_seconds
 from hil_tests.lanes import examples
@@ -41,10 +42,7 @@ each_order = every("order", ORDERS.items(), ids=lambda it: it[0])
 def whole_stop_s(rig: VirtualRig) -> float:
     """Return the longest duration of a stop, every stage of it."""
     robot = rig.robot
-    whole = [
-        sums(sequence(STOP_STAGES[robot.links[axis.link].driver](robot, axis), off=False), axis.top_speed)[1]
-        for axis in robot.axes
-    ]
+    whole = [sums(sequence(stop_stages_of(robot, axis), off=False), axis.top_speed)[1] for axis in robot.axes]
     return to_seconds(max(whole))
 
 
@@ -156,7 +154,7 @@ def test_an_order_begins_a_stop_again_that_nothing_brought_about() -> None:
 def test_the_power_is_taken_within_five_seconds_by_the_rows(robot: str) -> None:
     machine = robot_of(robot)
     for axis in machine.axes:
-        stages = STOP_STAGES[machine.links[axis.link].driver](machine, axis)
+        stages = stop_stages_of(machine, axis)
         for off in (False, True):
             taken, whole = sums(sequence(stages, off=off), axis.top_speed)
             assert taken <= TAKEN_WITHIN
@@ -195,7 +193,7 @@ HELPLESS = {"silent", "garbage", "hangs", "bus stuck"}
 
 def behave(rig: VirtualRig, what: str, seconds: float, stack: ExitStack) -> None:
     """Let a link or what is on it behave so, for so long; nothing where two cannot be at once."""
-    kind, keys = (ON_A_LINE if rig.robot.shield_links else ON_A_BUS)[what]
+    kind, keys = (ON_A_LINE if ShieldLink.all_of(rig.robot) else ON_A_BUS)[what]
     if what == "half answers":
         stack.enter_context(changed(rig, "board", half))
     elif what == "every other answer":

@@ -7,12 +7,11 @@ from typing import Final, TypeAlias
 import pytest
 
 from firmware_bridge import robot_types
-from firmware_bridge.drivers.all_drivers import REPORTS
 from firmware_bridge.drivers.driver import Feedback, Power, Reports
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.intent import NEVER_RECEIVED
-from firmware_bridge.robot import AnyLink, Axis, RobotFileError
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.robot import AnyRobot, Axis, RobotFileError
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.safety import common, gate
 from firmware_bridge.safety.gate import axis_interlocks
@@ -78,16 +77,14 @@ def test_the_first_weaker_row_for_which_it_is_enough_stands_in() -> None:
     assert alone.fitting(EVERYTHING - {Reports.POWER}) is None
 
 
-def weaker(axis: Axis, link: AnyLink) -> list[str]:
-    """Return the rows that stand in for others, by the reports of a link's driver."""
-    rows = [(row, row.fitting(REPORTS[link.driver](axis, link))) for row in common.AXIS_INTERLOCKS]
-    return [fitting.name for row, fitting in rows if fitting is not None and fitting is not row]
+def weaker(robot: AnyRobot, axis: Axis) -> list[str]:
+    """Return the rows that stand in for others, by the reports of an axis's device."""
+    return [fitting.name for name, _, fitting in robot_types.weaker_rows(robot) if name == axis.name]
 
 
 def test_an_epos2_reports_enough_for_every_row(robot: Rars) -> None:
-    link = robot.epos2_link("drives")
-    for driver in Epos2Driver:
-        assert weaker(robot.axes[0], link.model_copy(update={"driver": driver})) == []
+    for one in (robot, over_serial(robot)):
+        assert weaker(one, one.axes[0]) == []
 
 
 @pytest.mark.parametrize(("port", "unmeasured"), [(1, 0), (2, 0), (3, 3)])
@@ -95,7 +92,7 @@ def test_a_shield_has_no_word_for_power_and_reports_nothing_of_a_motor_that_it_d
     port: int, unmeasured: int
 ) -> None:
     rome = over_protocol(robot_types.find("rome"), "arduinoio")
-    found = weaker(rome.axes[port - 1], rome.links["board"])
+    found = weaker(rome, rome.axes[port - 1])
     assert found == [WEAK, "axis restarted", *unmeasured * [UNMEASURED]]
 
 

@@ -3,13 +3,14 @@
 import pytest
 
 from firmware_bridge.motion.ramp import MARGIN
+from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput
 from firmware_bridge.robot_types import find
 from hil_tests.scenarios.ride import ARMED, ride, step
 
 RARS = find("rars")
 assert RARS.battery is not None
 EMPTY_V = RARS.battery.nominal_v
-DIVIDER = RARS.sensors[0].analogue.per_volt
+DIVIDER = Epos2AnalogueInput.of(RARS.sensors[0]).per_volt
 BATTERY_OHM = 0.050
 """`battery_resistance` of the plant."""
 

@@ -19,6 +19,7 @@ from emulators.run import HAND_STREAM
 from emulators.testing.inherited.scripted import mission_of, scripted
 from firmware_bridge.drivers.epos2.scale import Scale
 from firmware_bridge.motion.ramp import MARGIN
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds, to_seconds
 from fmu.rars.parameters import PARAMETERS
@@ -111,7 +112,7 @@ def test_the_ramp_leaves_room_for_slip() -> None:
     limit = find("rars").geometry.limits.acceleration_mps2
     assert slip(limit) == pytest.approx(0.138, abs=1e-3)
     assert pytest.approx((1 - slip(limit)) * 0.93, abs=5e-3) == MARGIN
-    profile = find("rars").axes[0].epos2.profile
+    profile = Epos2Axis.of(find("rars").axes[0]).profile
     for ramp in (profile.acceleration_rpm_s, profile.deceleration_rpm_s, profile.quick_stop_rpm_s):
         rim = ramp * math.pi / 30 / 26 * P["wheel_radius"]
         assert rim / (1 - slip(limit)) < limit

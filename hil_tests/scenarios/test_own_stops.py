@@ -6,6 +6,7 @@ import pytest
 
 from firmware_bridge.motion import davis
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
 
@@ -19,8 +20,8 @@ def without_proportion() -> AnyRobot:
     """RARS whose drives keep the quick stop deceleration of the robot file."""
     robot, axes = find("rars"), []
     for axis in robot.axes:
-        profile = axis.epos2.profile.model_copy(update={"quick_stop_least_rpm_s": None})
-        settings = axis.epos2.model_copy(update={"profile": profile})
+        profile = Epos2Axis.of(axis).profile.model_copy(update={"quick_stop_least_rpm_s": None})
+        settings = Epos2Axis.of(axis).model_copy(update={"profile": profile})
         axes.append(axis.model_copy(update={"settings": settings}))
     return robot.model_copy(update={"axes": tuple(axes)})
 

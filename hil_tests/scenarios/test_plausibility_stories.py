@@ -14,6 +14,7 @@ from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, CommandForm
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.snapshot import Tracking
 from firmware_bridge.safety.tracking import Followers, bounds_of
@@ -94,7 +95,7 @@ def test_a_steering_that_ignores_its_target_does_not_follow(rides: Ridden) -> No
 def commanded_by_another(ride: Ride, rpm: dict[str, int], began: float, ended: float) -> None:
     """Let a third party send these speeds to enabled drives, ten times as often as the bridge."""
     master = ride.rig.world.attach("second controller", ForeignNode(), {CAN: ride.rig.can_wire})
-    nodes = {axis.name: axis.epos2.node for axis in RARS.axes}
+    nodes = {axis.name: Epos2Axis.of(axis).node for axis in RARS.axes}
     for at in range(from_seconds(began), from_seconds(ended), 5 * MILLISECOND):
         ride.runs_until(to_seconds(at))
         for name, speed in rpm.items():

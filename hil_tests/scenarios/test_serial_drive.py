@@ -22,6 +22,7 @@ from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Link, nodes_on
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 from firmware_bridge.wire.maxon.frame import Generation
@@ -62,7 +63,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Callable[[AnyRobot, str]
     folders: dict[tuple[str, str], Path] = {}
 
     def results(robot: AnyRobot, mission: str) -> Path:
-        link = robot.epos2_link("drives").driver.value
+        link = Epos2Link.of_link(robot, "drives").driver.value
         if (link, mission) not in folders:
             folder = folders[link, mission] = tmp_path_factory.mktemp(f"{link}-{mission}")
             script = missions.find(mission, robot, BENCH_SETUP)
@@ -257,7 +258,7 @@ def test_a_drive_that_does_not_notice_the_bridge_s_silence_is_not_driven(
     receive = Consumer.receive
 
     def not_receiving(self: Consumer, payload: bytes, now: Nanoseconds) -> None:
-        if self.node != USB.epos2_link("drives").guardian(USB.nodes_on("drives")):
+        if self.node != Epos2Link.of_link(USB, "drives").guardian(nodes_on(USB, "drives")):
             receive(self, payload, now)
 
     monkeypatch.setattr(Consumer, "receive", not_receiving)

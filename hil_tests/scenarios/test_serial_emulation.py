@@ -83,7 +83,7 @@ def ask(
     raise AssertionError("the steps never end")
 
 
-@pytest.mark.long(keeps=["Generation.V2"])
+@pytest.mark.long(keeps=["v2"])
 def test_a_program_reaches_all_four_drives_and_may_come_back(line: Line) -> None:
     generation, path, _ = line
     for value in (1234, 2345):

@@ -16,6 +16,7 @@ from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.robot_types import find, robot_type_of
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import to_seconds
@@ -30,7 +31,7 @@ DRIVING: Final = (ARMED, step(4.0, speed_mps=0.3))
 NOT_RECEIVING_S: Final = 6.0
 LEFT: Final = "node 1 (left rear wheel)"
 UNPOWERED: Final = (PowerState.SWITCH_ON_DISABLED, PowerState.READY_TO_SWITCH_ON, PowerState.SWITCHED_ON)
-BEAT: Final = cia301.ERROR_CONTROL + RARS.epos2_link("drives").bridge_node
+BEAT: Final = cia301.ERROR_CONTROL + Epos2Link.of_link(RARS, "drives").bridge_node
 
 on_each_link = pytest.mark.parametrize("link", LINKS)
 deafened = pytest.mark.parametrize("command", ["stop", "enter_pre_operational", "reset_communication"])

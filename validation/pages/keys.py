@@ -28,6 +28,7 @@ from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.mission import Mission
 from emulators.bench.step import Step
 from firmware_bridge.robot import Robot
+from firmware_bridge.robot.family_tables import FamilyTable
 from firmware_bridge.robot.table import Table
 from validation.pages.safety import shipped
 
@@ -170,14 +171,17 @@ def _sections(
     yield Section(path, table)
     for name, field in table.model_fields.items():
         if name not in skipped:
-            for inner, form in _tables(field.annotation, "[{}]"):
+            for inner, form in _tables(Annotated[(field.annotation, *field.metadata, None)], "[{}]"):
                 below = f"{path}.{name}".lstrip(".")
                 yield from _sections(inner, below if form == "[{}]" else form.format(below), (), seen)
 
 
 def _tables(annotation: Any, form: str) -> Iterator[tuple[type[Table], str]]:
     origin, args = get_origin(annotation), get_args(annotation)
-    if isinstance(annotation, type) and issubclass(annotation, Table):
+    marks = [one for one in args if isinstance(one, FamilyTable)]
+    if marks:
+        yield from ((inner, form) for inner in marks[0].tables())
+    elif isinstance(annotation, type) and issubclass(annotation, Table):
         yield annotation, form
     elif origin is dict:
         yield from _tables(args[1], "{}.NAME")

@@ -21,6 +21,7 @@ from firmware_bridge.dissector.bus_picture import BusPicture
 from firmware_bridge.dissector.robot_mapping import can_links, expected_on
 from firmware_bridge.recording import parse_candump
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.robot_types import find
 
 FOLDER: Final = Path(__file__).parents[2] / "docs" / "pictures"
@@ -32,7 +33,7 @@ WIDTH: Final = 110
 def monitor_of(log: Path, robot: AnyRobot) -> str:
     """Return the monitor's display of a recorded bus, as SVG."""
     (link,) = can_links(robot)
-    picture = BusPicture(robot.epos2_link(link).bit_rate, tuple(expected_on(robot, link)))
+    picture = BusPicture(Epos2Link.of_link(robot, link).bit_rate, tuple(expected_on(robot, link)))
     for line in log.read_text(encoding="utf-8").splitlines():
         at, _, packet = parse_candump(line)
         picture.note(at, packet)

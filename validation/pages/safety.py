@@ -6,7 +6,7 @@ from typing import Final, TypeAlias
 
 import firmware_bridge
 from firmware_bridge import robot_types
-from firmware_bridge.drivers.all_drivers import STOP_STAGES, reports_of
+from firmware_bridge.drivers.all_drivers import reports_of, stop_stages_of
 from firmware_bridge.drivers.driver import Reports
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.drivers.shield.link_drivers import over_protocol
@@ -176,7 +176,7 @@ def unpowered(robot: AnyRobot) -> Iterator[Cells]:
     """Yield what becomes of each axis without power, and what friction explains where it stands with it."""
     for axis in robot.axes:
         # No command takes a stepper's current: the robot file's answer is that of a motor that keeps it.
-        steps = axis.link in robot.ar2_links
+        steps = axis.link in Ar2Link.all_of(robot)
         without = "keeps its current; without it, it falls" if steps else axis.unpowered.value
         yield (f"`{axis.name}`", without, f"{axis.friction:.2g} A")
 
@@ -196,9 +196,8 @@ def exclusive(robot: AnyRobot) -> Iterator[Cells]:
 
 def stops(robot: AnyRobot, link: str) -> Iterator[Cells]:
     """Yield the stop stages of the axes on a link, each with its time."""
-    table = robot.links[link]
     axes = robot.axes_on(link)
-    sequences = [STOP_STAGES[table.driver](robot, axis) for axis in axes]
+    sequences = [stop_stages_of(robot, axis) for axis in axes]
     for stages in zip(*sequences, strict=True):
         stage = stages[0]
         longest = max(one.lasts(axis.top_speed) for one, axis in zip(stages, axes, strict=True))
@@ -227,8 +226,8 @@ def _ended(robot: AnyRobot, link: str) -> str:
 
 
 def _longest(robot: AnyRobot, link: str) -> list[Nanoseconds]:
-    driver, axes = robot.links[link].driver, robot.axes_on(link)
-    sequences = [(sequence(STOP_STAGES[driver](robot, axis), off=False), axis.top_speed) for axis in axes]
+    axes = robot.axes_on(link)
+    sequences = [(sequence(stop_stages_of(robot, axis), off=False), axis.top_speed) for axis in axes]
     return [max(seconds) for seconds in zip(*(sums(*one) for one in sequences), strict=True)]
 
 
@@ -239,9 +238,9 @@ def _within(stage: StopStage) -> str:
 
 def reached(robot: AnyRobot) -> tuple[AnyRobot, ...]:
     """Return a robot in the ways to reach it: over CAN or serially, with a loop on its board or not."""
-    if robot.ar2_links:
+    if Ar2Link.all_of(robot):
         return (robot,)
-    if robot.shield_links:
+    if ShieldLink.all_of(robot):
         shown = (ShieldProtocol.ROS_ARDUINO_BRIDGE, ShieldProtocol.MW)
         return tuple(over_protocol(robot, spoken.value) for spoken in shown)
     return (robot, over_serial(robot))
@@ -262,10 +261,10 @@ def _fitting(robot: AnyRobot, axis: Axis) -> Iterator[str]:
 
 
 def _on_the_wire(robot: AnyRobot, axis: Axis) -> str:
-    if axis.link in robot.shield_links:
+    if axis.link in ShieldLink.all_of(robot):
         motor = GuardedMotor(axis, robot)
         return f"-{motor.most} to {motor.most} {motor.unit}"
-    if axis.link in robot.ar2_links:
+    if axis.link in Ar2Link.all_of(robot):
         joint = GuardedJoint(axis, robot)
         return f"{joint.least} to {joint.most} steps, {joint.at_once} at once"
     unit = "qc" if axis.command is CommandForm.POSITION else "rpm"

@@ -7,9 +7,11 @@ from firmware_bridge.bridge.bridge import SECOND_REQUEST_WITHIN
 from firmware_bridge.bridge.permission import BRAKED_WITHIN
 from firmware_bridge.bridge.power_down import LOOKS_FOR, WATCHED_FOR
 from firmware_bridge.bridge.stops import RAMPED_WITHIN
-from firmware_bridge.drivers.all_drivers import CONFIRMED_BY, alone
+from firmware_bridge.drivers.all_drivers import alone
 from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN
+from firmware_bridge.family import family_of
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.ar2 import Ar2Link
 from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
 from firmware_bridge.units import MILLISECOND, SECOND
 
@@ -156,7 +158,7 @@ def stops_text() -> str:
 def confirmed_text(robot: AnyRobot) -> str:
     """Return what confirms a stop on each of a robot's links."""
     links = [name for name in robot.links if robot.axes_on(name)]
-    return "\n".join(f"* `{name}`: {CONFIRMED_BY[robot.links[name].driver]}." for name in links)
+    return "\n".join(f"* `{name}`: {family_of(robot.links[name]).confirmed_by}." for name in links)
 
 
 def guard_text() -> str:
@@ -172,7 +174,7 @@ def dead_text(robot: AnyRobot) -> str:
             lines += [f"* `{name}`, {_spoken(protocol)}" for protocol in _protocols(robot, name)]
         elif states := alone(robot, name):
             lines.append(f"* `{name}`: {states}.")
-    if robot.ar2_links:
+    if Ar2Link.all_of(robot):
         lines += ["", ARM_FALLS_TEXT]
     return "\n".join(lines)
 
@@ -180,7 +182,7 @@ def dead_text(robot: AnyRobot) -> str:
 def watchdog_text(robot: AnyRobot) -> str:
     """Return which firmwares on a robot's boards have no watchdog; the first line of its section."""
     parts = []
-    for name in robot.shield_links:
+    for name in ShieldLink.all_of(robot):
         without = [one.value for one in ShieldProtocol if not _over(robot, name, one)]
         parts.append(NO_WATCHDOG_TEXT.format(link=name, without=", ".join(without)))
     return "\n\n".join(parts)
@@ -191,7 +193,7 @@ def _protocols(robot: AnyRobot, name: str) -> list[tuple[str, str]]:
 
 
 def _over(robot: AnyRobot, name: str, protocol: ShieldProtocol) -> str:
-    link = robot.shield_link(name).over(protocol, robot.cycle_ms, None)
+    link = ShieldLink.of_link(robot, name).over(protocol, robot.cycle_ms, None)
     return alone(robot.with_links({name: link}), name)
 
 

@@ -20,6 +20,7 @@ from firmware_bridge.drivers.driver import (
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis
+from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Link
 from firmware_bridge.units import NEVER, Nanoseconds, to_seconds
 
 REPORTS: Final = frozenset({Reports.STOP})
@@ -66,12 +67,12 @@ class Ar2Joint:
     def __init__(self, axis: Axis, robot: AnyRobot, board: JointBoard) -> None:
         self._axis: Final = axis
         self._board: Final = board
-        self.number: Final = axis.ar2.joint
-        self._per_unit: Final = axis.ar2.steps_per_unit(axis.ratio)
-        link = robot.ar2_link(axis.link)
+        self.number: Final = Ar2Axis.of(axis).joint
+        self._per_unit: Final = Ar2Axis.of(axis).steps_per_unit(axis.ratio)
+        link = Ar2Link.of_link(robot, axis.link)
         # Half steps, hence twice the motor's full steps; the smaller of both bounds a move.
         by_axis = axis.top_speed * to_seconds(robot.cycle * link.every) * self._per_unit
-        by_motor = 2.0 * axis.ar2.full_steps_s * to_seconds(link.move)
+        by_motor = 2.0 * Ar2Axis.of(axis).full_steps_s * to_seconds(link.move)
         self.most: Final = int(min(by_axis, by_motor)) + MOVES_AT_ONCE
         """Steps of one move."""
         self.set_point: SetPoint = Stop.STANDSTILL
@@ -195,7 +196,7 @@ class Ar2Joint:
     def steps_at(self, position: float) -> int:
         """Return the count at a position in rad."""
         # Counted from one end of the travel, as the GUI does, in the motor's direction.
-        return round(self._axis.direction * (position - self._axis.ar2.origin) * self._per_unit)
+        return round(self._axis.direction * (position - Ar2Axis.of(self._axis).origin) * self._per_unit)
 
     @property
     def wanted(self) -> int:
@@ -219,7 +220,7 @@ class Ar2Joint:
         """Take the board's answer to a cycle's request; `placed`: its position was sent since."""
         before, count = self._position, self.count
         if count is not None:
-            self._position = self._axis.ar2.origin + self._axis.direction * count / self._per_unit
+            self._position = Ar2Axis.of(self._axis).origin + self._axis.direction * count / self._per_unit
         # A position that was confirmed in between is no motion.
         known = self._sampled_at != NEVER_RECEIVED and count is not None and not placed
         elapsed = to_seconds(cycle_at - self._sampled_at)

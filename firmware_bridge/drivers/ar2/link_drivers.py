@@ -1,24 +1,19 @@
 """The board of an AR2 arm as one link of the robot."""
 
 from firmware_bridge.drivers.ar2.board import Ar2Board
-from firmware_bridge.drivers.ar2.joint import REPORTS, Ar2Joint
-from firmware_bridge.drivers.driver import Reports
+from firmware_bridge.drivers.ar2.joint import Ar2Joint
 from firmware_bridge.drivers.link_drivers import LinkDrivers
-from firmware_bridge.robot import AnyLink, AnyRobot, Axis, Problem, RobotFileError
+from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
+from firmware_bridge.robot.settings.ar2 import Ar2Link
 from firmware_bridge.units import MICROSECOND, MILLISECOND
 
 LINE_US = 12_000
 """Time of the longest line, its request, and both chips beside the move itself."""
 
 
-def reports(_axis: Axis, _link: AnyLink) -> frozenset[Reports]:
-    """Return the reports of a joint."""
-    return REPORTS
-
-
 def ar2_link_drivers(robot: AnyRobot, name: str) -> LinkDrivers:
     """Return the joints on the robot's link of this name; RobotFileError where a cycle is too short."""
-    table, axes = robot.ar2_link(name), robot.axes_on(name)
+    table, axes = Ar2Link.of_link(robot, name), robot.axes_on(name)
     cycle = robot.cycle * table.every
     # A request and its answer have to fit in behind the move: the board takes no line until it ends.
     needed = table.move + (LINE_US + table.port_latency_us) * MICROSECOND

@@ -54,5 +54,5 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
 
 def alone(robot: AnyRobot, link: str) -> str:
     """Return what stops the joints when the bridge falls silent."""
-    move = robot.ar2_link(link).move_ms
+    move = Ar2Link.of_link(robot, link).move_ms
     return f"the end of the last move, within {move} ms: no other follows, and the motors hold"

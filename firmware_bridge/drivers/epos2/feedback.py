@@ -12,6 +12,7 @@ from firmware_bridge.drivers.driver import Between, Feedback, Power, Reports
 from firmware_bridge.drivers.epos2.scale import Scale, wrapped
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 
@@ -62,7 +63,7 @@ class DriveFeedback:
         self._axis: Final = axis.name
         self._scale: Final = Scale.of(axis)
         self._top_speed: Final = axis.top_speed
-        self._lead_s: Final = axis.epos2.position_lead_ms / 1000.0
+        self._lead_s: Final = Epos2Axis.of(axis).position_lead_ms / 1000.0
         self.state: PowerState | None = None
         """None while it is unknown, or the drive does not listen to set-points."""
         self.statusword = 0

@@ -15,6 +15,7 @@ from firmware_bridge.drivers.epos2.setup import general_purpose
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis, Output, Sensor
+from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2DigitalOutput
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import OUTPUT_STATE
@@ -67,8 +68,8 @@ class AnalogueInput:
     def __init__(self, sensor: Sensor, drive: IoDrive) -> None:
         self.sensor: Final = sensor
         self._drive: Final = drive
-        self._address: Final = Address(at.ANALOGUE_INPUT_1.index, sensor.analogue.input)
-        self._per_volt: Final = sensor.analogue.per_volt
+        self._address: Final = Address(at.ANALOGUE_INPUT_1.index, Epos2AnalogueInput.of(sensor).input)
+        self._per_volt: Final = Epos2AnalogueInput.of(sensor).per_volt
         self._requested_at: Nanoseconds = NEVER_RECEIVED
         self._request: ObjectRequest | None = None
         self._reading: Reading | None = None
@@ -110,7 +111,9 @@ class DigitalOutputs:
     def __init__(self, outputs: tuple[Output, ...], drive: IoDrive) -> None:
         self.outputs: Final = outputs
         self._drive: Final = drive
-        self._bits: Final = {output.name: general_purpose(output.settings.output).bit for output in outputs}
+        self._bits: Final = {
+            output.name: general_purpose(Epos2DigitalOutput.of(output).output).bit for output in outputs
+        }
         self._wanted = 0
         self._confirmed: int | None = None
         """The value that the drive has accepted last; None where that is not known."""
@@ -151,7 +154,7 @@ def inputs_of(robot: AnyRobot, link: str, drives: Iterable[IoDrive]) -> tuple[An
     """Return the sensors on a link, in the robot file's order."""
     by_axis = {drive.axis.name: drive for drive in drives}
     return tuple(
-        AnalogueInput(sensor, by_axis[sensor.analogue.axis])
+        AnalogueInput(sensor, by_axis[Epos2AnalogueInput.of(sensor).axis])
         for sensor in robot.sensors
         if sensor.link == link
     )
@@ -166,4 +169,8 @@ def outputs_of(robot: AnyRobot, drives: Iterable[IoDrive]) -> tuple[DigitalOutpu
 
 def outputs_at(robot: AnyRobot, axis: Axis) -> tuple[Output, ...]:
     """Return the outputs at the drive of one axis, in the robot file's order."""
-    return tuple(output for output in robot.outputs if output.settings.axis == axis.name)
+    return tuple(
+        output
+        for output in robot.outputs
+        if output.link == axis.link and Epos2DigitalOutput.of(output).axis == axis.name
+    )

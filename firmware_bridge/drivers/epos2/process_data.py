@@ -14,6 +14,7 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.pdo import Layout
 from firmware_bridge.robot import Axis, CommandForm
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.wire.epos2 import address as at
 
 SYNCHRONOUS: Final = 1
@@ -76,9 +77,9 @@ class Pdo:
 
 def pdos(axis: Axis) -> tuple[Pdo, ...]:
     """Return the eight PDOs of an axis' drive."""
-    command, every_ms = axis.command, axis.epos2.position_every_ms
+    command, every_ms = axis.command, Epos2Axis.of(axis).position_every_ms
     received = {SET_POINT_COB_ID[command]: SET_POINT[command]}
-    if axis.epos2.profile.quick_stop_least_rpm_s is not None:
+    if Epos2Axis.of(axis).profile.quick_stop_least_rpm_s is not None:
         received[BRAKING_COB_ID] = BRAKING
     sent = {STATUS_COB_ID: STATUS, SAMPLE_COB_ID: SAMPLE}
     inhibited = {}

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple, Self
 
 from firmware_bridge.robot import Axis
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.units import RPM_PER_RAD_S
 
 COUNTER_SPAN: Final = 1 << 32
@@ -46,7 +47,7 @@ class Scale:
     @classmethod
     def of(cls, axis: Axis) -> Self:
         """Return the factors of an axis."""
-        turn = axis.epos2.quadcounts_per_turn
+        turn = Epos2Axis.of(axis).quadcounts_per_turn
         return cls(
             axis.direction * turn * axis.ratio / (2.0 * math.pi), axis.direction * axis.ratio * RPM_PER_RAD_S
         )
@@ -81,4 +82,6 @@ def travel_of(axis: Axis) -> Travel | None:
 def highest_rpm(axis: Axis) -> int:
     """Return the whole rpm that neither the axis's top speed nor the drive's own limit exceeds."""
     # Rounded down, so that the whole rpm stay within the axis' top speed.
-    return min(math.floor(abs(Scale.of(axis).rpm(axis.top_speed))), axis.epos2.profile.max_velocity_rpm)
+    return min(
+        math.floor(abs(Scale.of(axis).rpm(axis.top_speed))), Epos2Axis.of(axis).profile.max_velocity_rpm
+    )

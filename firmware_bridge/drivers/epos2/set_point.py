@@ -16,6 +16,7 @@ from firmware_bridge.drivers.epos2.process_data import SET_POINT, SET_POINT_COB_
 from firmware_bridge.drivers.epos2.scale import WHOLE_COUNTER, Scale, highest_rpm, travel_of, wrapped
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, CommandForm
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 
 DISABLE_VOLTAGE: Final = word_of(cia402.ControlwordCommand.DISABLE_VOLTAGE)
 SHUTDOWN: Final = word_of(cia402.ControlwordCommand.SHUTDOWN)
@@ -58,7 +59,7 @@ class VelocitySetPoint:
 
     def __init__(self, axis: Axis, feedback: DriveFeedback) -> None:
         self._link = axis.link
-        self._cob_id = SET_POINT_COB_ID[CommandForm.SPEED] + axis.epos2.node
+        self._cob_id = SET_POINT_COB_ID[CommandForm.SPEED] + Epos2Axis.of(axis).node
         self._feedback = feedback
         self._scale = Scale.of(axis)
         self._highest_rpm = highest_rpm(axis)
@@ -94,7 +95,7 @@ class PositionSetPoint:
 
     def __init__(self, axis: Axis, feedback: DriveFeedback) -> None:
         self._link = axis.link
-        self._cob_id = SET_POINT_COB_ID[CommandForm.POSITION] + axis.epos2.node
+        self._cob_id = SET_POINT_COB_ID[CommandForm.POSITION] + Epos2Axis.of(axis).node
         self._feedback = feedback
         self._scale = Scale.of(axis)
         self._travel = travel_of(axis) or WHOLE_COUNTER

@@ -14,7 +14,7 @@ from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.drivers.epos2.process_data import Pdo, pdos
 from firmware_bridge.drivers.epos2.scale import Travel, travel_of
 from firmware_bridge.robot import Axis, CommandForm, Output
-from firmware_bridge.robot.settings.epos2 import Epos2Link
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2DigitalOutput, Epos2Link
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import OUTPUT_MASK, OUTPUT_PINS, OutputFunction
 from firmware_bridge.wire.epos2.hardware import alike
@@ -106,7 +106,7 @@ def through_gateway(axis: Axis, link: Epos2Link, nodes: Sequence[int]) -> Traffi
     which the gateway's watchdog depends on.
     """
     off = tuple(replace(pdo, layout=None) for pdo in pdos(axis))
-    return Traffic(off, link.watched_by(axis.epos2.node, nodes), 0)
+    return Traffic(off, link.watched_by(Epos2Axis.of(axis).node, nodes), 0)
 
 
 def identity(axis: Axis) -> tuple[SetupObject, ...]:
@@ -117,10 +117,10 @@ def identity(axis: Axis) -> tuple[SetupObject, ...]:
         SetupObject(
             od.PRODUCT_CODE,
             U32,
-            axis.epos2.product_code,
+            Epos2Axis.of(axis).product_code,
             "product code",
             "the drive that the robot file names",
-            also=alike(axis.epos2.product_code),
+            also=alike(Epos2Axis.of(axis).product_code),
         ),
     )
 
@@ -135,7 +135,7 @@ def configuration(
     """
     flows = traffic or over_can(axis, link)
     return (
-        *(row for pdo in flows.pdos for row in _process_data(pdo, axis.epos2.node)),
+        *(row for pdo in flows.pdos for row in _process_data(pdo, Epos2Axis.of(axis).node)),
         *_supervision(link, flows),
         *commissioned(axis),
         *_switched(outputs),
@@ -147,7 +147,7 @@ def commissioned(axis: Axis) -> tuple[SetupObject, ...]:
     travel = travel_of(axis)
     return (
         *_protection(axis),
-        *(() if travel is None else _range(travel, axis.epos2.profile.max_following_error_qc)),
+        *(() if travel is None else _range(travel, Epos2Axis.of(axis).profile.max_following_error_qc)),
         *_motion(axis),
         *_gains(axis),
     )
@@ -216,7 +216,7 @@ def _supervision(link: Epos2Link, flows: Traffic) -> Iterator[SetupObject]:
 
 
 def _protection(axis: Axis) -> Iterator[SetupObject]:
-    motor, profile = axis.epos2, axis.epos2.profile
+    motor, profile = Epos2Axis.of(axis), Epos2Axis.of(axis).profile
     protects = "protects the motor and people near it"
     yield SetupObject(
         od.MOTOR_TYPE, U16, motor.motor_type, "motor type", "how the winding is driven", read_back=True
@@ -245,7 +245,7 @@ def _range(travel: Travel, margin_qc: int) -> Iterator[SetupObject]:
 
 
 def _motion(axis: Axis) -> Iterator[SetupObject]:
-    profile, mode = axis.epos2.profile, MODE[axis.command]
+    profile, mode = Epos2Axis.of(axis).profile, MODE[axis.command]
     yield SetupObject(od.MODE, I8, mode, "mode of operation", "by the robot file", read_back=True)
     why = "a trapezoid: its acceleration is bounded"
     yield SetupObject(od.MOTION_PROFILE_TYPE, I16, TRAPEZOID, "motion profile type", why)
@@ -259,7 +259,7 @@ def _motion(axis: Axis) -> Iterator[SetupObject]:
 
 
 def _gains(axis: Axis) -> Iterator[SetupObject]:
-    gains = axis.epos2.gains
+    gains = Epos2Axis.of(axis).gains
     for address, kind, value, name in (
         (at.CURRENT_P, I16, gains.current_p, "current P gain"),
         (at.CURRENT_I, I16, gains.current_i, "current I gain"),
@@ -292,7 +292,7 @@ def _switched(outputs: Sequence[Output]) -> Iterator[SetupObject]:
         return
     mask = 0
     for output in outputs:
-        pin = output.settings.output
+        pin = Epos2DigitalOutput.of(output).output
         function = general_purpose(pin)
         mask |= function.bit
         why = f"switched by the bridge: {output.title}"

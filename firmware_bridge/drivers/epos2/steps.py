@@ -18,12 +18,13 @@ from firmware_bridge.drivers.epos2.setup import SetupObject
 from firmware_bridge.drivers.script_runner import Ask, Do, Script, Until
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.units import Nanoseconds
 
 
 def nmt(axis: Axis, command: NmtCommand) -> Packet:
     """Return the network command to this node."""
-    return Packet(axis.link, cia301.NMT, cia301.encode_nmt(command, axis.epos2.node))
+    return Packet(axis.link, cia301.NMT, cia301.encode_nmt(command, Epos2Axis.of(axis).node))
 
 
 @dataclass(frozen=True, slots=True)

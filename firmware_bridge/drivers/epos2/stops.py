@@ -13,7 +13,7 @@ from firmware_bridge.drivers.driver import Stop, Task
 from firmware_bridge.drivers.epos2.scale import Scale
 from firmware_bridge.drivers.stop_stages import CREEPS, StopStage
 from firmware_bridge.robot import AnyRobot, Axis
-from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Driver, Epos2Link
 
 _WRITTEN: Final = {Epos2Driver.CAN: "by PDO", Epos2Driver.SERIAL: "by WriteObject"}
 _SILENCE: Final = {
@@ -32,7 +32,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
         raise TypeError(f"no EPOS2 is on the link of '{axis.name}'")
     times, over_can = link.confirmed(robot.cycle), link.driver is Epos2Driver.CAN
     per_unit = abs(Scale.of(axis).rpm_per_unit_s)
-    quick = axis.epos2.profile.quick_stop_rpm_s / per_unit
+    quick = Epos2Axis.of(axis).profile.quick_stop_rpm_s / per_unit
     how = _WRITTEN[link.driver]
     gentle = (
         StopStage(
@@ -40,7 +40,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
             f"target 0, or halt, {how} in every cycle",
             Stop.STANDSTILL,
             max(CREEPS, times.ramp),
-            axis.epos2.profile.deceleration_rpm_s / per_unit,
+            Epos2Axis.of(axis).profile.deceleration_rpm_s / per_unit,
             slows_within=times.ramp,
         ),
         StopStage(
@@ -109,5 +109,5 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
 
 def alone(robot: AnyRobot, link: str) -> str:
     """Return what stops the drives on a link when the bridge falls silent."""
-    silent = robot.epos2_link(link).bridge_silent_ms
+    silent = Epos2Link.of_link(robot, link).bridge_silent_ms
     return f"each drive's heartbeat consumer, after {silent} ms: quick stop, then no power"

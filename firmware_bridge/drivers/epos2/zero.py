@@ -25,6 +25,7 @@ from firmware_bridge.drivers.epos2.setup import MODE, SetupObject
 from firmware_bridge.drivers.epos2.steps import controlled, expected, failing, pause, read, written
 from firmware_bridge.drivers.script_runner import Ask, Do, Script, Step, Until
 from firmware_bridge.robot import Axis, CommandForm
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.rows import FIRMWARE_SPECIFICATION
@@ -195,7 +196,7 @@ def _attained(axis: Axis, feedback: DriveFeedback, polls: int) -> Ask:
 
 def _counts(axis: Axis, feedback: DriveFeedback, home_qc: int) -> Ask:
     """Look whether it counts from there; it holds still within its following error."""
-    margin = axis.epos2.profile.max_following_error_qc
+    margin = Epos2Axis.of(axis).profile.max_following_error_qc
 
     def judge(position_qc: int) -> Script:
         # Method 35 sets the count at standstill, where the regulator is off by its following error at most.

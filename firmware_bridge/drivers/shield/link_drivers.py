@@ -7,13 +7,13 @@ from firmware_bridge.drivers.shield.motor import ShieldMotor
 from firmware_bridge.drivers.shield.plan import fitting_plan
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
 from firmware_bridge.robot.problems import near
-from firmware_bridge.robot.settings.shield import ShieldProtocol
+from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldLink, ShieldProtocol
 
 
 def shield_link_drivers(robot: AnyRobot, name: str) -> LinkDrivers:
-    """Return the motors on the robot's link of this name; ShieldPlanError where its cycle is too short."""
-    plan, table, axes = fitting_plan(robot, name), robot.shield_link(name), robot.axes_on(name)
-    dialect = DIALECTS[table.protocol](table, [axis.shield for axis in axes])
+    """Return the motors on the robot's link of this name; PlanError where its cycle is too short."""
+    plan, table, axes = fitting_plan(robot, name), ShieldLink.of_link(robot, name), robot.axes_on(name)
+    dialect = DIALECTS[table.protocol](table, [ShieldAxis.of(axis) for axis in axes])
     board = Board(name, table, dialect, plan.answers_within)
     board.motors = tuple(ShieldMotor(axis, robot, board) for axis in axes)
     return LinkDrivers(board, table, board.motors)
@@ -24,9 +24,9 @@ def measured(robot: AnyRobot) -> AnyRobot:
 
     Where cameras see it, the motors without one run on feed-forward, and the captured pose corrects them.
     """
-    for name, link in robot.shield_links.items():
+    for name, link in ShieldLink.all_of(robot).items():
         # The encoders are counted by terminals: those beyond the firmware's number are not read.
-        unseen = [axis.called for axis in robot.axes_on(name) if axis.shield.port > link.counted]
+        unseen = [axis.called for axis in robot.axes_on(name) if ShieldAxis.of(axis).port > link.counted]
         if unseen and robot.located_by is None:
             problem = (
                 f"{link.protocol.value} reads {link.counted} encoders, and not that of {', '.join(unseen)}: "
@@ -45,11 +45,11 @@ def over_protocol(robot: AnyRobot, protocol: str | None, encoders: int | None = 
     if protocol is None and encoders is None:
         return robot
     known = [one.value for one in ShieldProtocol]
-    if not robot.shield_links:
+    if not ShieldLink.all_of(robot):
         raise RobotFileError(robot.name, Problem("links", "no motor shield is on any link"))
     if protocol is not None and protocol not in known:
         raise RobotFileError(robot.name, Problem("protocol", f"no '{protocol}'; {near(protocol, known)}"))
-    for name, link in robot.shield_links.items():
+    for name, link in ShieldLink.all_of(robot).items():
         spoken = link.protocol if protocol is None else ShieldProtocol(protocol)
         motors = len(robot.axes_on(name))
         if spoken is ShieldProtocol.ROS_ARDUINO_BRIDGE and encoders not in {None, motors}:
@@ -60,6 +60,6 @@ def over_protocol(robot: AnyRobot, protocol: str | None, encoders: int | None = 
             name: link.over(
                 link.protocol if protocol is None else ShieldProtocol(protocol), robot.cycle_ms, encoders
             )
-            for name, link in robot.shield_links.items()
+            for name, link in ShieldLink.all_of(robot).items()
         }
     )

@@ -19,17 +19,17 @@ from firmware_bridge.drivers.driver import (
 from firmware_bridge.drivers.shield.regulator import Pwm, Ticks
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import AnyLink, AnyRobot, Axis
-from firmware_bridge.robot.settings.shield import ShieldLink
+from firmware_bridge.robot import AnyRobot, Axis
+from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldLink
 from firmware_bridge.units import NEVER, Nanoseconds, to_seconds
 
 COUNTED: Final = frozenset({Reports.POSITION, Reports.VELOCITY, Reports.STOP})
 """Reports of an encoder; a shield reports no power and no current."""
 
 
-def reports(axis: Axis, link: AnyLink) -> frozenset[Reports]:
+def reports(robot: AnyRobot, axis: Axis) -> frozenset[Reports]:
     """Return the reports of a motor: none, where the firmware does not read its encoder."""
-    counted = isinstance(link, ShieldLink) and axis.shield.port <= link.counted
+    counted = ShieldAxis.of(axis).port <= ShieldLink.of_link(robot, axis.link).counted
     return COUNTED if counted else frozenset()
 
 
@@ -68,15 +68,15 @@ class ShieldMotor:
     """One motor."""
 
     def __init__(self, axis: Axis, robot: AnyRobot, board: MotorBoard) -> None:
-        link = robot.shield_link(axis.link)
+        link = ShieldLink.of_link(robot, axis.link)
         self._axis: Final = axis
         self._board: Final = board
-        self._reports: Final = reports(axis, link)
-        self.number: Final = axis.shield.port
+        self._reports: Final = reports(robot, axis)
+        self.number: Final = ShieldAxis.of(axis).port
         self.measured: Final = bool(self._reports)
         cycle = robot.cycle * link.every
         self.regulator: Final = Ticks(axis, cycle) if link.stops_itself else Pwm(axis, cycle)
-        self._per_count: Final = axis.direction / axis.shield.counts_per_unit(axis.ratio)
+        self._per_count: Final = axis.direction / ShieldAxis.of(axis).counts_per_unit(axis.ratio)
         self.set_point: SetPoint = Stop.STANDSTILL
         self.direction = 0
         """Direction of its half bridge: 1 or -1; 0 where it was released."""

@@ -10,9 +10,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
+from firmware_bridge.drivers.link_drivers import PlanError
 from firmware_bridge.drivers.shield.dialects import BUS_WRITE_US, DIALECTS, BoardMessage
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.shield import ShieldLink
+from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldLink
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 
 BITS_PER_BYTE: Final = 10
@@ -20,10 +21,6 @@ CHIP_FLUSH_US: Final = 4_096
 """Longest time for which the ATmega16U2 keeps the board's bytes from the host."""
 MOST: Final = 0.8
 """Share of the cycle that its fullest may take."""
-
-
-class ShieldPlanError(Exception):
-    """A cycle that does not fit on the line: how long it is, and what to do."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,11 +59,11 @@ class ShieldPlan:
 
 def shield_plan(robot: AnyRobot, name: str) -> ShieldPlan:
     """Lay out the fullest cycle of a link to a board."""
-    link, axes = robot.shield_link(name), robot.axes_on(name)
-    dialect = DIALECTS[link.protocol](link, [axis.shield for axis in axes])
-    motors = [axis.shield.port for axis in axes]
+    link, axes = ShieldLink.of_link(robot, name), robot.axes_on(name)
+    dialect = DIALECTS[link.protocol](link, [ShieldAxis.of(axis) for axis in axes])
+    motors = [ShieldAxis.of(axis).port for axis in axes]
     # The fullest cycle: the longest digits, backwards, of motors that have just run forwards.
-    most = (-99 if dialect.on_board else -axes[0].shield.max_pwm for _ in motors)
+    most = (-99 if dialect.on_board else -ShieldAxis.of(axes[0]).max_pwm for _ in motors)
     reversal = dialect.drive(dict(zip(motors, most, strict=True)), dict.fromkeys(motors, 1))
     return ShieldPlan(
         robot.cycle * link.every,
@@ -76,14 +73,14 @@ def shield_plan(robot: AnyRobot, name: str) -> ShieldPlan:
 
 
 def fitting_plan(robot: AnyRobot, name: str) -> ShieldPlan:
-    """Lay out the fullest cycle of a link to a board; ShieldPlanError where the cycle is too short."""
+    """Lay out the fullest cycle of a link to a board; PlanError where the cycle is too short."""
     plan = shield_plan(robot, name)
     if plan.time <= MOST * plan.cycle:
         return plan
-    link = robot.shield_link(name)
+    link = ShieldLink.of_link(robot, name)
     # Rounded up: a cycle just too short is too short.
     needed = -(-plan.time // round(MOST * robot.cycle))
-    raise ShieldPlanError(
+    raise PlanError(
         f"link '{name}': a reversal over {link.protocol.value} takes {plan.time / MILLISECOND:.1f} ms, which "
         f"is more than {MOST:.0%} of its cycle of {plan.cycle // MILLISECOND} ms; use every = {needed} or a "
         "longer cycle_ms in the robot file"

@@ -8,7 +8,7 @@ import math
 from typing import Final
 
 from firmware_bridge.robot import Axis
-from firmware_bridge.robot.settings.shield import FULL_PWM
+from firmware_bridge.robot.settings.shield import FULL_PWM, ShieldAxis
 from firmware_bridge.units import MILLISECOND, RPM_PER_RAD_S, SECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
 
@@ -51,7 +51,7 @@ class Ticks:
     """Speeds for a loop on the board, in counts a frame."""
 
     def __init__(self, axis: Axis, cycle: Nanoseconds) -> None:
-        per_unit = axis.shield.counts_per_unit(axis.ratio)
+        per_unit = ShieldAxis.of(axis).counts_per_unit(axis.ratio)
         self._ticks: Final = axis.direction * per_unit * ros.FRAME_MS * MILLISECOND / SECOND
         self._most: Final = math.floor(abs(self._ticks) * axis.top_speed)
         self._reversal: Final = _Reversal(cycle)
@@ -75,7 +75,7 @@ class Pwm:
     """A PI with feed-forward; PWM of 255, in steps no larger than the slope lets."""
 
     def __init__(self, axis: Axis, cycle: Nanoseconds) -> None:
-        motor = axis.shield
+        motor = ShieldAxis.of(axis)
         free = motor.full_speed_rpm / RPM_PER_RAD_S / axis.ratio
         self._forward: Final = FULL_PWM / free
         self._gains: Final = motor.regulator

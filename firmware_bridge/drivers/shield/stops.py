@@ -15,7 +15,7 @@ from firmware_bridge.drivers.shield.dialects import DIALECTS
 from firmware_bridge.drivers.shield.plan import takes
 from firmware_bridge.drivers.stop_stages import CREEPS, StopStage
 from firmware_bridge.robot import AnyRobot, Axis
-from firmware_bridge.robot.settings.shield import ShieldLink
+from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldLink
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 SET_UP_WITHIN: Final[Nanoseconds] = SECOND
@@ -32,7 +32,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
     within = link.confirmed(robot.cycle)
     # Each motor may be released with a command of its own, and none of them may be answered; nor any at all
     # of those to a board that may have lost its set-up, which take their time on the line.
-    axes = [it.shield for it in robot.axes_on(axis.link)]
+    axes = [ShieldAxis.of(it) for it in robot.axes_on(axis.link)]
     again = DIALECTS[link.protocol](link, axes).release_again(motor.port for motor in axes)
     lasts = sum(takes(link, command) for command in again)
     requested = link.answers_within_ms * MILLISECOND
@@ -47,7 +47,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
             "speed 0" if board else "PWM down to 0 on its slope",
             Stop.STANDSTILL,
             max(CREEPS, within),
-            axis.shield.acceleration,
+            ShieldAxis.of(axis).acceleration,
             slows_within=within,
             received=True,
         ),
@@ -56,7 +56,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
             "speed 0" if board else "PWM 0 at once: the half bridge shorts the motor",
             Stop.QUICK_STOP,
             within,
-            axis.shield.acceleration,
+            ShieldAxis.of(axis).acceleration,
             received=True,
         ),
         StopStage(
@@ -82,7 +82,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
 
 def alone(robot: AnyRobot, link: str) -> str:
     """Return what stops the motors of a board when the bridge falls silent; empty where nothing does."""
-    table = robot.shield_link(link)
+    table = ShieldLink.of_link(robot, link)
     if table.unwatched:
         return ""
     return (

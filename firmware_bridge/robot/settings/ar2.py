@@ -9,7 +9,7 @@ from typing import Annotated, Final
 
 from pydantic import Field
 
-from firmware_bridge.robot.table import AxisTable, Finite, LinkTable, Positive
+from firmware_bridge.robot.table import AxisTable, Finite, LinkTable, Medium, Positive
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 STEPS_PER_TURN: Final = 400
@@ -53,9 +53,32 @@ class Ar2Link(LinkTable):
     """The longest that one move may last: once it is sent nothing stops it but a reset."""
 
     @property
-    def line_rate(self) -> int:
+    def medium(self) -> Medium:
+        """A serial line."""
+        return Medium.SERIAL
+
+    @property
+    def kind(self) -> str:
+        """The firmware's protocol."""
+        return self.protocol
+
+    @property
+    def rate(self) -> int:
         """Bit rate of the line, bit/s."""
         return 115_200
+
+    @property
+    def latency_us(self) -> int:
+        """Longest time that this machine's port may keep received bytes."""
+        return self.port_latency_us
+
+    @property
+    def silent_hint(self) -> str:
+        """Power and firmware of the board."""
+        return (
+            f"nothing was received on the line at {self.rate} Bd: is the board on, and was it flashed with "
+            "AR2 2.0?"
+        )
 
     @property
     def move(self) -> Nanoseconds:

@@ -5,7 +5,15 @@ from typing import Annotated, Final, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from firmware_bridge.robot.table import Finite, LinkTable, Positive, SettingsTable, Table
+from firmware_bridge.robot.table import (
+    Finite,
+    LinkTable,
+    Medium,
+    OdometryBounds,
+    Positive,
+    SettingsTable,
+    Table,
+)
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.internet import number_of
 
@@ -62,6 +70,16 @@ class CaptureLink(LinkTable):
         return server
 
     @property
+    def medium(self) -> Medium:
+        """Datagrams."""
+        return Medium.UDP
+
+    @property
+    def place(self) -> str:
+        """Where poses are waited for."""
+        return self.listen
+
+    @property
     def server_number(self) -> int:
         """The place of `server` as packets have it."""
         return place_number(self.server)
@@ -79,27 +97,6 @@ class Mount(Table):
     y: Finite = 0.0
     z: Finite = 0.0
     heading: Finite = 0.0
-
-
-class OdometryBounds(Table):
-    """Odometry's error bounds where the robot is not seen; see `firmware_bridge.motion.captured`."""
-
-    slips: Positive
-    """The share of the way, and of the turn, by which odometry may be wrong."""
-    lost_m: Positive
-    """Odometry alone may be wrong by so much before the robot is lost."""
-    slip_mps: Positive
-    """So fast, in the mean of half a second, it may move otherwise than its wheels turn."""
-    jump_m: Positive
-    """Largest distance of an accepted captured pose from odometry's expectation."""
-    jump_rad: Positive
-    silent_ms: Annotated[int, Field(ge=10, le=10_000)]
-    """A captured pose that is older does not show that the robot is seen."""
-
-    @property
-    def silent(self) -> Nanoseconds:
-        """Age limit of a captured pose."""
-        return self.silent_ms * MILLISECOND
 
 
 class CaptureBody(SettingsTable):
@@ -123,3 +120,8 @@ class CaptureBody(SettingsTable):
         if max(abs(self.mount.x), abs(self.mount.y), abs(self.mount.z)) > FURTHEST_M:
             raise ValueError(f"mount is in m, and more than {FURTHEST_M:g} m from the robot")
         return self
+
+    @property
+    def locates(self) -> OdometryBounds | None:
+        """Odometry's bounds, where the robot's pose is this body's."""
+        return self.odometry

@@ -4,13 +4,16 @@ import math
 from collections.abc import Sequence
 from enum import StrEnum
 from types import MappingProxyType
-from typing import Annotated, Final, NamedTuple, Self
+from typing import Annotated, ClassVar, Final, NamedTuple, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.robot.table import (
     AxisTable,
+    HasAxes,
     LinkTable,
+    Medium,
     Name,
     Positive,
     SettingsTable,
@@ -20,6 +23,7 @@ from firmware_bridge.robot.table import (
     Unsigned32,
 )
 from firmware_bridge.units import MILLISECOND, QUADCOUNTS_PER_LINE, RPM_PER_RAD_S, Nanoseconds
+from firmware_bridge.wire.epos2.hardware import too_fast
 from firmware_bridge.wire.maxon.frame import Generation
 
 NodeId = Annotated[int, Field(ge=1, le=127)]
@@ -141,9 +145,45 @@ class Epos2Link(LinkTable):
         return self
 
     @property
+    def medium(self) -> Medium:
+        """A CAN bus, or the serial port of the gateway."""
+        return Medium.SERIAL if self.driver is Epos2Driver.SERIAL else Medium.CAN
+
+    @property
+    def kind(self) -> str:
+        """CAN frames, or maxon's protocol on a line."""
+        return SERIAL if self.driver is Epos2Driver.SERIAL else CAN
+
+    @property
+    def rate(self) -> int:
+        """Bit rate of the port that this machine is on."""
+        return self.line_rate if self.driver is Epos2Driver.SERIAL else self.bit_rate
+
+    @property
     def line_rate(self) -> int:
         """The serial port's rate in bits a second: RS232 at 115.2 kBd, USB's converter at 1 MBd."""
         return self.baud or (115_200 if self.protocol is Generation.V1 else 1_000_000)
+
+    @property
+    def latency_us(self) -> int:
+        """Longest time that this machine's port may keep received bytes."""
+        return self.port_latency_us
+
+    @property
+    def described(self) -> str:
+        """Protocol and rate of the port, and its drive; empty for a bus."""
+        if self.driver is not Epos2Driver.SERIAL:
+            return ""
+        return f"({self.protocol.value}, {self.line_rate} Bd), node {self.gateway} passes on to the others"
+
+    @property
+    def silent_hint(self) -> str:
+        """The other protocol."""
+        other = next(one.value for one in Generation if one is not self.protocol)
+        return (
+            f"nothing was received on the line, which was tried in {self.protocol.value} at {self.line_rate} "
+            f"Bd: is the drive on, and is it not {other} (--protocol {other})?"
+        )
 
     def confirmed(self, cycle: Nanoseconds) -> Confirmed:
         """Return the time for the confirmation of each stop stage; `cycle` is the robot's."""
@@ -221,22 +261,6 @@ BRUSHED: Final = 1
 SINUSOIDAL: Final = 10
 MOTOR_TYPES: Final = MappingProxyType({BRUSHED: "brushed DC", SINUSOIDAL: "EC, sinusoidal", 11: "EC, block"})
 """Values of 0x6402 (EPOS2 firmware specification)."""
-
-
-ENCODER_HZ: Final = 5_000_000
-"""Highest frequency of an encoder's channel. Assumed for every type: no source at hand states it; an EPOS4
-takes 6.25 MHz by its hardware reference."""
-
-
-def too_fast(encoder_lines: int, rpm: float) -> str:
-    """Return why no EPOS2 can count an encoder at this speed of the motor; empty where it can."""
-    frequency = encoder_lines * rpm / 60.0
-    if frequency <= ENCODER_HZ:
-        return ""
-    return (
-        f"{encoder_lines} lines at {rpm:.0f} rpm are {frequency / 1e6:.3g} MHz a channel: an EPOS2 counts "
-        f"{ENCODER_HZ / 1e6:g} MHz at most (assumed)"
-    )
 
 
 class Epos2Axis(AxisTable):
@@ -339,9 +363,15 @@ class Epos2Axis(AxisTable):
         counted = (1 << 31) - 1 - self.profile.max_following_error_qc
         return counted / self.quadcounts_per_turn * 2.0 * math.pi / ratio
 
+    def profile_rpm(self) -> float:
+        """Return the velocity of its profile."""
+        return self.profile.velocity_rpm
+
 
 class Epos2AnalogueInput(SettingsTable):
     """A sensor behind an analog input of one drive (0x207C)."""
+
+    VOLTAGE: ClassVar[bool] = True
 
     axis: Name
     input: Annotated[int, Field(ge=1, le=2)]
@@ -354,3 +384,8 @@ class Epos2DigitalOutput(SettingsTable):
 
     axis: Name
     output: Annotated[int, Field(ge=1, le=4)]
+
+
+def nodes_on(robot: HasAxes, link: str) -> tuple[int, ...]:
+    """Return the nodes of a robot's drives on a link."""
+    return tuple(Epos2Axis.of(axis).node for axis in robot.axes_on(link))

@@ -6,11 +6,18 @@ from typing import Annotated, Final, Self
 
 from pydantic import Field, model_validator
 
-from firmware_bridge.robot.table import AxisTable, LinkTable, NonNegative, Positive, Table
+from firmware_bridge.robot.table import AxisTable, LinkTable, Medium, NonNegative, Positive, Table
 from firmware_bridge.units import MILLISECOND, RPM_PER_RAD_S, Nanoseconds
 
 FULL_PWM: Final = 255
 """Of the shield's library and of all four firmwares."""
+
+
+RUNS_ON: Final = "its motors run on as commanded when the bridge ends, is killed, or the line is cut"
+SKETCH: Final = (
+    "flash this project's sketch (emulators/arduino_omni/sketch, protocol ros-arduino-bridge), which stops "
+    "them after 2 s"
+)
 
 
 class ShieldDriver(StrEnum):
@@ -104,14 +111,57 @@ class ShieldLink(LinkTable):
     """The robot may be driven though nothing stops its motors when the bridge ends or the line is cut."""
 
     @property
-    def unwatched(self) -> bool:
-        """True where its motors run on when the bridge falls silent: the firmware has no auto-stop."""
-        return not self.stops_itself
+    def medium(self) -> Medium:
+        """A serial line."""
+        return Medium.SERIAL
+
+    @property
+    def kind(self) -> str:
+        """The firmware's protocol."""
+        return self.protocol
+
+    @property
+    def latency_us(self) -> int:
+        """Longest time that this machine's port may keep received bytes."""
+        return self.port_latency_us
+
+    @property
+    def described(self) -> str:
+        """Firmware and rate."""
+        return f"({self.protocol.value}, {self.line_rate} Bd)"
+
+    @property
+    def silent_hint(self) -> str:
+        """Power and firmware of the board."""
+        return (
+            f"nothing was received on the line at {self.line_rate} Bd: is the board on, and was it flashed "
+            f"with {self.protocol.value} (--protocol)?"
+        )
+
+    @property
+    def unwatched(self) -> str:
+        """Its motors run on when the bridge falls silent, where the firmware has no auto-stop."""
+        return "" if self.stops_itself else f"a board with {self.protocol.value} has no watchdog: {RUNS_ON}"
+
+    @property
+    def unwatched_remedy(self) -> str:
+        """Another firmware."""
+        return SKETCH
+
+    @property
+    def accepts_unwatched(self) -> bool:
+        """True where the robot file permits it."""
+        return self.accept_no_watchdog
 
     @property
     def line_rate(self) -> int:
         """Bit rate of the line, bit/s."""
         return BAUDS[self.protocol]
+
+    @property
+    def rate(self) -> int:
+        """Bit rate of the line, bit/s."""
+        return self.line_rate
 
     @property
     def boots(self) -> int:

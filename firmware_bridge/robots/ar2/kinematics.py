@@ -16,6 +16,7 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.motion.ramp import MARGIN
 from firmware_bridge.motion.resolved_rate import Rates, resolved, slowed
 from firmware_bridge.robot import Robot
+from firmware_bridge.robot.settings.ar2 import Ar2Axis
 from firmware_bridge.robots.ar2.geometry import Ar2Geometry
 from firmware_bridge.robots.ar2.motion import STILL, Ar2Motion, Ar2State, motion_of
 from firmware_bridge.units import Nanoseconds, to_seconds
@@ -50,7 +51,7 @@ class Ar2Kinematics:
         axes = [robot.axis(role) for role in JOINTS]
         self._names = tuple(axis.name for axis in axes)
         self._fastest = tuple(axis.top_speed for axis in axes)
-        self._steps = tuple(1.0 / axis.ar2.steps_per_unit(axis.ratio) for axis in axes)
+        self._steps = tuple(1.0 / Ar2Axis.of(axis).steps_per_unit(axis.ratio) for axis in axes)
         # Transposed: one row of lower ends, one of upper ends.
         self._travel = np.array([axis.travel for axis in axes]).T
         self._limits = robot.geometry.limits

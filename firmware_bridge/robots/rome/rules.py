@@ -6,6 +6,7 @@ from typing import Final, TypeAlias
 
 from firmware_bridge.motion.omni import BodyTwist, rims, shortened
 from firmware_bridge.robot import Robot
+from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldLink
 from firmware_bridge.robots.rome.geometry import RomeGeometry
 from firmware_bridge.robots.rome.kinematics import ramp_of, with_twist
 from firmware_bridge.robots.rome.motion import RomeMotion, RomeState
@@ -45,7 +46,7 @@ def _pose_lost(view: View) -> str | None:
 
 
 def _uncounted(robot: Robot[RomeGeometry]) -> bool:
-    return any(axis.shield.port > robot.shield_link(axis.link).counted for axis in robot.axes)
+    return any(ShieldAxis.of(axis).port > ShieldLink.of_link(robot, axis.link).counted for axis in robot.axes)
 
 
 def _slips(view: View) -> str | None:

@@ -15,6 +15,7 @@ from typing import Final, NamedTuple
 from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis
+from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Link
 from firmware_bridge.safety.guard.bounds import ROUNDING
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.wire_rules import WireRules
@@ -84,17 +85,17 @@ class GuardedJoint:
 
     def __init__(self, axis: Axis, robot: AnyRobot) -> None:
         self.axis: Final = axis
-        link = robot.ar2_link(axis.link)
+        link = Ar2Link.of_link(robot, axis.link)
         self.cycle: Final = robot.cycle * link.every
         self.all: tuple[InForce, ...] = ()
         self.commanded_at: Nanoseconds = -NEVER
         self.homes: Final = False
         self.homes_within_s: Final = 0.0
         self.speed: Final = 0.0
-        self.number: Final = axis.ar2.joint
+        self.number: Final = Ar2Axis.of(axis).joint
         per_rad = axis.direction * STEPS_PER_TURN * axis.ratio / math.tau
         low, high = axis.travel or (0.0, 0.0)
-        ends = sorted(per_rad * (end - math.radians(axis.ar2.counts_from_deg)) for end in (low, high))
+        ends = sorted(per_rad * (end - math.radians(Ar2Axis.of(axis).counts_from_deg)) for end in (low, high))
         self.least: Final = round(ends[0])
         self.most: Final = round(ends[1])
         self.at_once: Final = math.floor(axis.top_speed * abs(per_rad) * self.cycle / SECOND) + 1
@@ -136,7 +137,7 @@ class Ar2Rules(WireRules):
         joints = tuple(GuardedJoint(axis, robot) for axis in robot.axes_on(link))
         self._joints: Final = {joint.number: joint for joint in joints}
         self.axes: tuple[InForce, ...] = joints
-        self._longest: Final = min(LONGEST_MS, float(robot.ar2_link(link).move_ms))
+        self._longest: Final = min(LONGEST_MS, float(Ar2Link.of_link(robot, link).move_ms))
         self._under_way = False
         """True while the end of a move is not proved."""
         self._proves: bytes | None = None

@@ -7,6 +7,7 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState, Status, state_of
 from firmware_bridge.canopen.objects import CONTROLWORD
 from firmware_bridge.robot import AnyRobot, Axis, CommandForm
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 from firmware_bridge.safety.guard.bounds import rpm_per_unit, targets
 from firmware_bridge.safety.guard.epos2_words import (
     DISABLE_VOLTAGE,
@@ -54,7 +55,7 @@ class GuardedAxis:
 
     def __init__(self, axis: Axis, robot: AnyRobot) -> None:
         self.axis: Final = axis
-        self.node: Final = axis.epos2.node
+        self.node: Final = Epos2Axis.of(axis).node
         self.by_speed: Final = axis.command is CommandForm.SPEED
         """True where its target is a speed; else it is a position."""
         self.zeroing: Final = Zeroing(axis)
@@ -62,7 +63,7 @@ class GuardedAxis:
         """Every axis of the robot, this one among them."""
         self.targets: Final = targets(axis)
         """The targets that it may be sent; rpm or quadcounts."""
-        self.cycle: Final = robot.cycle * robot.epos2_link(axis.link).every
+        self.cycle: Final = robot.cycle * Epos2Link.of_link(robot, axis.link).every
         """The time from one of its set-points to the next."""
         self.target = 0
         self.speed = 0.0
@@ -75,7 +76,7 @@ class GuardedAxis:
         """True once a Statusword has reported no power since the last Controlword that gives it."""
         self._off_since: Nanoseconds = NEVER
         """Time since when the Controlword in force disables the power; NEVER where it is another."""
-        link = robot.epos2_link(axis.link)
+        link = Epos2Link.of_link(robot, axis.link)
         self._patience: Final = link.confirmed(robot.cycle).by_object
         """Time within which a drive must confirm that."""
         self._word: int | None = None
@@ -86,7 +87,7 @@ class GuardedAxis:
         """Time when it was sent there, was halted, or was released again."""
         self._standstill_at: int | None = None
         """Position at standstill; small deviations from it are no motion. None while it is unknown."""
-        self._margin_qc: Final = axis.epos2.profile.max_following_error_qc
+        self._margin_qc: Final = Epos2Axis.of(axis).profile.max_following_error_qc
         """The largest such deviation. The reference stays, so that many small steps are none."""
         self._rpm_per_unit: Final = rpm_per_unit(axis)
 

@@ -7,6 +7,7 @@ import math
 from typing import Final
 
 from firmware_bridge.robot import Axis, CommandForm
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 
 _EDGES_PER_LINE: Final = 4
 """Of an encoder with two channels."""
@@ -27,7 +28,7 @@ def highest_rpm(axis: Axis) -> int:
 
 def qc_per_unit(axis: Axis) -> float:
     """Return the motor's quadcounts for one unit behind the gear, negative for a mirrored axis."""
-    return axis.direction * axis.ratio * _EDGES_PER_LINE * axis.epos2.encoder_lines / math.tau
+    return axis.direction * axis.ratio * _EDGES_PER_LINE * Epos2Axis.of(axis).encoder_lines / math.tau
 
 
 def ends_qc(axis: Axis) -> tuple[int, int]:

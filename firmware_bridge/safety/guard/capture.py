@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.capture import CaptureLink
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.units import Nanoseconds
@@ -24,7 +25,7 @@ class CaptureRules(WireRules):
 
     def __init__(self, robot: AnyRobot, link: str) -> None:
         self.link = link
-        self._server: Final = robot.capture_links[link].server_number
+        self._server: Final = CaptureLink.all_of(robot)[link].server_number
 
     @property
     def waiting(self) -> bool:

@@ -20,6 +20,7 @@ from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
 from firmware_bridge.canopen.objects import CONSUMER_HEARTBEAT_1, CONTROLWORD, STATUSWORD
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, CommandForm
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, TARGET_UNIT, GuardedSetPoint
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
@@ -264,13 +265,13 @@ def _listed(robot: AnyRobot, link: str, axes: tuple[GuardedAxis, ...]) -> dict[i
     listed: dict[int, Content] = {
         cia301.NMT: Exactly(tuple(bytes((command, node)) for command in LISTED_NMT for node in nodes)),
         cia301.SYNC: Exactly((b"",)),
-        cia301.ERROR_CONTROL + robot.epos2_link(link).bridge_node: Exactly(
+        cia301.ERROR_CONTROL + Epos2Link.of_link(robot, link).bridge_node: Exactly(
             tuple(bytes((one,)) for one in states)
         ),
     }
     for axis in axes:
         listed[_set_point_id(axis)] = AxisSetPoint(axis.axis.command, axis.targets)
-        profile = axis.axis.epos2.profile
+        profile = Epos2Axis.of(axis.axis).profile
         if (least := profile.quick_stop_least_rpm_s) is not None:
             listed[cia301.RECEIVE_PDO[BRAKING_PDO] + axis.node] = Braking(least, profile.quick_stop_rpm_s)
         listed[cia301.SDO_REQUEST + axis.node] = SdoRequest(writes_on_can(axis.axis, robot))

@@ -19,6 +19,7 @@ from firmware_bridge.canopen.objects import CONSUMER_HEARTBEAT_1, CONTROLWORD, P
 from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Link, nodes_on
 from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_words import (
     CONTROLWORDS,
@@ -59,12 +60,12 @@ class Epos2SerialRules(WireRules):
     def __init__(self, robot: AnyRobot, link: str) -> None:
         self.link = link
         self.axes = tuple(GuardedAxis(axis, robot) for axis in robot.axes_on(link))
-        bus = robot.epos2_link(link)
+        bus = Epos2Link.of_link(robot, link)
         self.writes: Final[Mapping[int, Writes]] = {axis.node: _all_writes(axis, robot) for axis in self.axes}
         """The permitted writes, by node."""
         self.beat_id: Final = cia301.ERROR_CONTROL + bus.bridge_node
         """Of the bridge's heartbeat."""
-        self.guarding_id: Final = cia301.ERROR_CONTROL + bus.guardian(robot.nodes_on(link))
+        self.guarding_id: Final = cia301.ERROR_CONTROL + bus.guardian(nodes_on(robot, link))
         """Of the remote frame that has a drive say what the gateway watches."""
         self._by_node = {axis.node: axis for axis in self.axes}
         self._unanswered: deque[tuple[Request | None, bool]] = deque()

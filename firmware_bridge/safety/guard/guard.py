@@ -9,25 +9,17 @@ is also stopped by the drives' own heartbeat consumers.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import Final, TypeAlias
 
+from firmware_bridge.family import family_of
 from firmware_bridge.node import OPERATOR, Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.ar2 import Ar2Driver
-from firmware_bridge.robot.settings.capture import CaptureDriver
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
-from firmware_bridge.robot.settings.shield import ShieldDriver
 from firmware_bridge.safety.guard.across_axes import AxesRule, rules_across
-from firmware_bridge.safety.guard.ar2 import Ar2Rules
-from firmware_bridge.safety.guard.capture import CaptureRules
-from firmware_bridge.safety.guard.epos2_can import Epos2CanRules
-from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
 from firmware_bridge.safety.guard.in_force import InForce
-from firmware_bridge.safety.guard.shield import ShieldRules
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
@@ -279,18 +271,9 @@ class Guarded:
 
 def guarded(node: Node, robot: AnyRobot, listener: Listener | None = None) -> Guarded:
     """Put a guard around a node, with the rules of every link that the robot's file names."""
-    links = [_RULES[table.driver](robot, link) for link, table in robot.links.items()]
+    links = [family_of(table).wire_rules(robot, link) for link, table in robot.links.items()]
     axes = {axis.axis.name: axis for rules in links for axis in rules.axes}
     # Set when all links are known: a homing on one of them forbids motion on the others.
     for axis in axes.values():
         axis.all = tuple(axes.values())
     return Guarded(node, links, rules_across(robot, axes), listener)
-
-
-_RULES: Final[Mapping[str, Callable[[AnyRobot, str], WireRules]]] = {
-    Epos2Driver.CAN: Epos2CanRules,
-    Epos2Driver.SERIAL: Epos2SerialRules,
-    ShieldDriver.MOTOR_SHIELD: ShieldRules,
-    Ar2Driver.AR2: Ar2Rules,
-    **dict.fromkeys(CaptureDriver, CaptureRules),
-}

@@ -15,7 +15,7 @@ from typing import Final
 from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis
-from firmware_bridge.robot.settings.shield import FULL_PWM, ShieldProtocol
+from firmware_bridge.robot.settings.shield import FULL_PWM, ShieldAxis, ShieldLink, ShieldProtocol
 from firmware_bridge.safety.guard.bounds import ROUNDING
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.shield_commands import (
@@ -40,7 +40,7 @@ class GuardedMotor:
 
     def __init__(self, axis: Axis, robot: AnyRobot) -> None:
         self.axis: Final = axis
-        link, motor = robot.shield_link(axis.link), axis.shield
+        link, motor = ShieldLink.of_link(robot, axis.link), ShieldAxis.of(axis)
         self.cycle: Final = robot.cycle * link.every
         self.all: tuple[InForce, ...] = ()
         self.commanded_at: Nanoseconds = -NEVER
@@ -138,7 +138,7 @@ class ShieldRules(WireRules):
         motors = tuple(GuardedMotor(axis, robot) for axis in robot.axes_on(link))
         self._motors: Final = {motor.number: motor for motor in motors}
         self.axes: tuple[InForce, ...] = motors
-        table = robot.shield_link(link)
+        table = ShieldLink.of_link(robot, link)
         self._read: Final = READERS[table.protocol]
         numbers = tuple(sorted(self._motors))
         self._board = Board(table, numbers, mw.LIBRARIES)

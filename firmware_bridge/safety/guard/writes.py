@@ -16,7 +16,7 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.robot import AnyRobot, Axis, CommandForm, Output
-from firmware_bridge.robot.settings.epos2 import Epos2Link
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2DigitalOutput, Epos2Link, nodes_on
 from firmware_bridge.safety.guard.bounds import ends_qc, highest_rpm
 from firmware_bridge.safety.guard.epos2_words import ENABLE, HALT, START_HOMING, STOP_WORDS
 from firmware_bridge.safety.guard.zeroing import ACTUAL_POSITION, OWN_MODE, WRITTEN, by_file
@@ -90,12 +90,12 @@ def output_function(output: Output) -> OutputFunction:
 
     That is how the drive leaves the factory (EPOS2 EDS).
     """
-    return OutputFunction(OutputFunction.GENERAL_A - (output.settings.output - 1))
+    return OutputFunction(OutputFunction.GENERAL_A - (Epos2DigitalOutput.of(output).output - 1))
 
 
 def writes_on_can(axis: Axis, robot: AnyRobot) -> Writes:
     """Return the objects of one drive that the bridge reaches over CAN."""
-    link = robot.epos2_link(axis.link)
+    link = Epos2Link.of_link(robot, axis.link)
     return _writes(axis, robot, _watch(link, link.bridge_node), link.drive_heartbeat_ms)
 
 
@@ -104,13 +104,15 @@ def writes_over_serial(axis: Axis, robot: AnyRobot) -> Writes:
 
     The drive has no heartbeat there, and watches whom the robot file makes it watch.
     """
-    link = robot.epos2_link(axis.link)
-    watched = link.watched_by(axis.epos2.node, robot.nodes_on(axis.link))
+    link = Epos2Link.of_link(robot, axis.link)
+    watched = link.watched_by(Epos2Axis.of(axis).node, nodes_on(robot, axis.link))
     return _writes(axis, robot, _watch(link, watched), 0)
 
 
 def _writes(axis: Axis, robot: AnyRobot, watch: int, heartbeat_ms: int) -> Writes:
-    outputs = [row for row in robot.outputs if row.link == axis.link and row.settings.axis == axis.name]
+    outputs = [
+        row for row in robot.outputs if row.link == axis.link and Epos2DigitalOutput.of(row).axis == axis.name
+    ]
     return dict(
         (
             *_process_data(axis),
@@ -143,11 +145,11 @@ def _process_data(axis: Axis) -> Iterator[tuple[Address, Values]]:
     received: dict[int, tuple[int, ...]] = {
         _SET_POINT_PDO[axis.command]: (_CONTROLWORD_MAPPED, _MAPPED[axis.command])
     }
-    if axis.epos2.profile.quick_stop_least_rpm_s is not None:
+    if Epos2Axis.of(axis).profile.quick_stop_least_rpm_s is not None:
         received[BRAKING_PDO] = (_BRAKING_MAPPED,)
     for number in _PDOS:
         communication, mapping = (first + number for first in _RECEIVE)
-        identifier = cia301.RECEIVE_PDO[number] + axis.epos2.node
+        identifier = cia301.RECEIVE_PDO[number] + Epos2Axis.of(axis).node
         # CiA 301: a mapping may be changed only while bit 31 of the PDO's COB-ID marks it as invalid.
         off = cia301.COB_ID_INVALID | identifier
         mapped = received.get(number, ())
@@ -160,7 +162,7 @@ def _process_data(axis: Axis) -> Iterator[tuple[Address, Values]]:
                 yield Address(mapping, entry), _exactly(U32, value)
     for number in _PDOS:
         communication, mapping = (first + number for first in _TRANSMIT)
-        identifier = cia301.COB_ID_NO_REMOTE | cia301.TRANSMIT_PDO[number] + axis.epos2.node
+        identifier = cia301.COB_ID_NO_REMOTE | cia301.TRANSMIT_PDO[number] + Epos2Axis.of(axis).node
         yield Address(communication, 1), _exactly(U32, cia301.COB_ID_INVALID | identifier, identifier)
         yield Address(communication, 2), _exactly(U8, *TRANSMISSIONS)
         yield Address(communication, 3), _within(U16, U16.lowest, U16.highest)
@@ -183,7 +185,7 @@ def _supervision(watch: int, heartbeat_ms: int) -> Iterator[tuple[Address, Value
 
 
 def _protection(axis: Axis) -> Iterator[tuple[Address, Values]]:
-    drive = axis.epos2
+    drive = Epos2Axis.of(axis)
     profile = drive.profile
     yield od.MOTOR_TYPE, _exactly(U16, drive.motor_type)
     if drive.pole_pairs is not None:
@@ -200,13 +202,13 @@ def _protection(axis: Axis) -> Iterator[tuple[Address, Values]]:
 def _range(axis: Axis) -> Iterator[tuple[Address, Values]]:
     if axis.travel is None:
         return
-    (low, high), margin = ends_qc(axis), axis.epos2.profile.max_following_error_qc
+    (low, high), margin = ends_qc(axis), Epos2Axis.of(axis).profile.max_following_error_qc
     for address in (od.MIN_POSITION_LIMIT, od.MAX_POSITION_LIMIT):
         yield address, _within(I32, low - margin, high + margin)
 
 
 def _motion(axis: Axis) -> Iterator[tuple[Address, Values]]:
-    profile = axis.epos2.profile
+    profile = Epos2Axis.of(axis).profile
     zeroing = () if axis.travel is None else (Mode.HOMING,)
     yield od.MODE, _exactly(I8, OWN_MODE[axis.command], *zeroing)
     yield od.MOTION_PROFILE_TYPE, _exactly(I16, 0)
@@ -221,7 +223,7 @@ def _motion(axis: Axis) -> Iterator[tuple[Address, Values]]:
 
 
 def _gains(axis: Axis) -> Iterator[tuple[Address, Values]]:
-    gains = axis.epos2.gains
+    gains = Epos2Axis.of(axis).gains
     for address, kind, value in (
         (at.CURRENT_P, I16, gains.current_p),
         (at.CURRENT_I, I16, gains.current_i),
@@ -258,6 +260,6 @@ def _outputs(outputs: Sequence[Output]) -> Iterator[tuple[Address, Values]]:
     for output in outputs:
         function = output_function(output)
         bits |= function.bit
-        yield functions.OUTPUT_PINS[output.settings.output - 1], _exactly(U16, function)
+        yield functions.OUTPUT_PINS[Epos2DigitalOutput.of(output).output - 1], _exactly(U16, function)
     yield functions.OUTPUT_STATE, Values(U16, Bits(bits))
     yield functions.OUTPUT_MASK, Values(U16, Bits(bits))

@@ -34,3 +34,19 @@ def alike(product_code: int) -> frozenset[int]:
 def type_of(product_code: int) -> str | None:
     """Return the type of a product code; None for one that no source gives."""
     return TYPES.get(product_code >> _VERSION_SHIFT)
+
+
+ENCODER_HZ: Final = 5_000_000
+"""Highest frequency of an encoder's channel. Assumed for every type: no source at hand states it; an EPOS4
+takes 6.25 MHz by its hardware reference."""
+
+
+def too_fast(encoder_lines: int, rpm: float) -> str:
+    """Return why no EPOS2 can count an encoder at this speed of the motor; empty where it can."""
+    frequency = encoder_lines * rpm / 60.0
+    if frequency <= ENCODER_HZ:
+        return ""
+    return (
+        f"{encoder_lines} lines at {rpm:.0f} rpm are {frequency / 1e6:.3g} MHz a channel: an EPOS2 counts "
+        f"{ENCODER_HZ / 1e6:g} MHz at most (assumed)"
+    )

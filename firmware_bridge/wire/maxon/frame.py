@@ -2,7 +2,7 @@
 
 from binascii import crc_hqx
 from dataclasses import dataclass
-from enum import Enum
+from enum import Enum, StrEnum
 from typing import Final, TypeAlias
 
 ANSWER: Final = 0x00
@@ -16,7 +16,7 @@ _MOST_WORDS_V1: Final = 256
 _SYNC: Final = bytes((DLE, STX))
 
 
-class Generation(Enum):
+class Generation(StrEnum):
     """The serial protocol of a line."""
 
     V1 = "v1"

@@ -12,6 +12,7 @@ from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.safety.guard import Guarded, guarded
 from firmware_bridge.teleop.mavlink import Codec, dialect, text_of
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
@@ -84,7 +85,7 @@ class Bench:
     """Expected refusals of the guard."""
 
     def __post_init__(self) -> None:
-        bus, air = CanWire(self.robot.epos2_link("drives").bit_rate), DatagramWire()
+        bus, air = CanWire(Epos2Link.of_link(self.robot, "drives").bit_rate), DatagramWire()
         bus.observe(lambda now, sender, packet: self.frames.append((now, sender, packet)))
         self.guard = guarded(self.bridge, self.robot)
         self.carrier = Carrier(self.guard)

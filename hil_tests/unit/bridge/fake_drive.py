@@ -11,6 +11,7 @@ from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Axis
 from firmware_bridge.robot import CommandForm as Commanded
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.units import SECOND, Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
 
@@ -81,7 +82,7 @@ class FakeDrive:
         """Go to fault; return what the drive then sends."""
         self.state = PowerState.FAULT
         self.rpm = 0
-        node = self.axis.epos2.node
+        node = Epos2Axis.of(self.axis).node
         emergency = code.to_bytes(2, "little") + bytes(6)
         return [Packet(CAN, 0x080 + node, emergency), Packet(CAN, 0x180 + node, self._status())]
 
@@ -91,10 +92,10 @@ class FakeDrive:
         self.memory, self.state, self.nmt = fresh.memory, fresh.state, fresh.nmt
         self.rpm, self.position, self._word = 0, 0.0, 0
         self.referenced = self.attained = False
-        return [Packet(CAN, 0x700 + self.axis.epos2.node, b"\0")]
+        return [Packet(CAN, 0x700 + Epos2Axis.of(self.axis).node, b"\0")]
 
     def _received(self, packet: Packet, now: Nanoseconds) -> list[tuple[int, bytes]]:
-        node = self.axis.epos2.node
+        node = Epos2Axis.of(self.axis).node
         if packet.address == 0x000 and packet.payload[1] in (0, node):
             self.nmt = {
                 NmtCommand.START: NmtState.OPERATIONAL,
@@ -135,7 +136,7 @@ class FakeDrive:
                     if address == od.CONTROLWORD:
                         self._obey(int.from_bytes(raw, "little"))
                     answer = sdo.encode_download_response(address)
-        return [] if answer is None else [(0x580 + self.axis.epos2.node, answer)]
+        return [] if answer is None else [(0x580 + Epos2Axis.of(self.axis).node, answer)]
 
     def _commanded(self, payload: bytes, now: Nanoseconds) -> list[tuple[int, bytes]]:
         word = int.from_bytes(payload[:2], "little")
@@ -149,7 +150,7 @@ class FakeDrive:
             self.rpm = target if moves else 0
         elif moves and edge and not self.jammed:
             self.position = float(target)
-        return [(0x180 + self.axis.epos2.node, self._status())] if self.state is not before else []
+        return [(0x180 + Epos2Axis.of(self.axis).node, self._status())] if self.state is not before else []
 
     def _obey(self, word: int) -> None:
         reset = word & ~self._word & ControlwordBit.FAULT_RESET
@@ -167,7 +168,7 @@ class FakeDrive:
 
     def _move(self, now: Nanoseconds) -> None:
         turns = self.rpm / 60.0 * (now - self._moved_at) / SECOND
-        self.position += turns * self.axis.epos2.quadcounts_per_turn
+        self.position += turns * Epos2Axis.of(self.axis).quadcounts_per_turn
         self._moved_at = now
 
     def _counter(self) -> bytes:

@@ -11,6 +11,7 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import ControlwordBit, PowerState
 from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.robot import Axis
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import SECOND, Nanoseconds
@@ -95,7 +96,7 @@ class Seeking(FakeDrive):
             self._began_at = now if self._began_at is None else self._began_at
             turns = int.from_bytes(self.memory[od.HOMING_SPEED_SWITCH], "little") / 60.0 * self.rushes
             elapsed = (now - self._moved_at) / SECOND
-            self.position -= turns * elapsed * self.axis.epos2.quadcounts_per_turn
+            self.position -= turns * elapsed * Epos2Axis.of(self.axis).quadcounts_per_turn
             if now >= self._began_at + self.seeks_for:
                 self._ends()
         super()._move(now)

@@ -12,7 +12,7 @@ from firmware_bridge.cli.places import BusAddress, places_of
 from firmware_bridge.node import Node
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import RobotFileError
-from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver
+from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver, CaptureLink
 from firmware_bridge.robot_types import robot_type_named
 from firmware_bridge.runtime.clock import Clock, LivedClock
 from firmware_bridge.units import MILLISECOND
@@ -27,7 +27,7 @@ LEFT = 'role = "left_wheel"\nlink = "drives"'
 
 def test_a_link_to_cameras_and_a_body_are_read() -> None:
     robot = captured_diff_drive()
-    link = robot.capture_links["cameras"]
+    link = CaptureLink.all_of(robot)["cameras"]
     assert (link.driver, link.server_number) == (CaptureDriver.NATNET, number_of("192.168.1.10", 1510))
     settings = robot.sensors[-1].settings
     assert isinstance(settings, CaptureBody)
@@ -47,7 +47,7 @@ def test_cameras_are_where_the_file_states_and_need_no_place() -> None:
             "links.cameras.server: must be HOST:PORT, as 192.168.1.10:1510, but it is 'motive'",
         ),
         (('driver = "natnet"', 'driver = "mavlink-pose"'), "give listen a port"),
-        (('link = "cameras"', 'link = "drives"'), "has a body, and 'drives' is no capture system"),
+        (('link = "cameras"', 'link = "drives"'), "another device: 'drives' is a link to EPOS2 drives"),
         (("fastest_mps = 1.0", "fastest_mps = 0.0"), "fastest_mps"),
         (("fastest_mps = 1.0, ", ""), "fastest_mps: is missing"),
         (('body = "diff_drive"', 'body = "diff_drive", up = "x"'), "'x' is not known; there are: y, z"),
@@ -55,7 +55,7 @@ def test_cameras_are_where_the_file_states_and_need_no_place() -> None:
             ('body = "diff_drive"', 'body = "diff_drive", mount = { x = 200.0 }'),
             "more than 10 m from the robot",
         ),
-        ((SETTINGS, 'axis = "left", input = 2, per_volt = 1.0'), "needs body"),
+        ((SETTINGS, 'axis = "left", input = 2, per_volt = 1.0'), "'cameras' is a motion capture system; its"),
         (('name = "place"', 'name = "place"\nevery = 3'), "every: no such key"),
     ],
 )
@@ -67,9 +67,9 @@ def test_a_mistake_is_reported(change: tuple[str, str], reported: str, tmp_path:
 def test_an_axis_on_cameras_and_a_battery_that_is_a_body_are_reported(tmp_path: Path) -> None:
     assert LEFT in written()
     text = written().replace(LEFT, LEFT.replace("drives", "cameras"))
-    with pytest.raises(RobotFileError, match="'cameras' is a capture system, which moves nothing"):
+    with pytest.raises(RobotFileError, match="'cameras' is a motion capture system, which has no axis"):
         file_at(tmp_path, text)
-    with pytest.raises(RobotFileError, match="'place' is a captured body, which has no voltage"):
+    with pytest.raises(RobotFileError, match="'place' measures no voltage"):
         file_at(tmp_path, written().replace('sensor = "battery"', 'sensor = "place"'))
 
 

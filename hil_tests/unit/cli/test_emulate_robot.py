@@ -13,6 +13,7 @@ from emulators.epos2.drive import Epos2
 from emulators.storage import ParameterFile
 from firmware_bridge.drivers.epos2.setup import SetupObject, commissioned
 from firmware_bridge.node import Node
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from firmware_bridge.runtime.clock import Clock, LivedClock
 from firmware_bridge.units import SECOND
@@ -70,7 +71,7 @@ def test_from_the_factory_they_have_none_of_the_robot_s_gains(emulated: Drives) 
 @pytest.mark.parametrize("factory", [False, True])
 def test_what_was_saved_comes_before_both(emulated: Drives, tmp_path: Path, *, factory: bool) -> None:
     axis = RARS.axes[0]
-    ParameterFile(tmp_path / f"node-{axis.epos2.node}.json").write({at.POSITION_P: OWN})
+    ParameterFile(tmp_path / f"node-{Epos2Axis.of(axis).node}.json").write({at.POSITION_P: OWN})
     drive = emulated(factory=factory, parameters=tmp_path)[axis.name]
     assert drive.store.get(at.POSITION_P) == OWN
 

@@ -17,6 +17,7 @@ from firmware_bridge.dissector.robot_mapping import can_links, expected_on
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import parse_candump
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.can import EXTENDED, INTERFRAME_BITS, REMOTE, frame_bits
 from firmware_bridge.wire.can_error import BUS_OFF, encode_report
@@ -112,7 +113,7 @@ def test_a_robot_file_names_the_drives_and_their_pdos_even_after_a_restart() -> 
     robot = robot_types.find("rars")
     (link,) = can_links(robot)
     axis = robot.axes_on(link)[0]
-    node = axis.epos2.node
+    node = Epos2Axis.of(axis).node
     picture = BusPicture(1_000_000, tuple(expected_on(robot, link)))
     sample = frame(0x280 + node, "3707E80300000A00")
     changes = [*picture.note(0, frame(0x700 + node, "00")), *picture.note(1, sample)]

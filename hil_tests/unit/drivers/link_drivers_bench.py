@@ -13,7 +13,7 @@ from firmware_bridge.drivers.epos2.serial.line import MaxonLine
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Driver, Epos2Link
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 
@@ -97,23 +97,25 @@ class Bench:
     def __init__(self, robot: AnyRobot, *, guarding: bool = True) -> None:
         names = [axis.name for axis in robot.axes]
         gateways = {
-            axis.epos2.node: robot.epos2_link(axis.link).protocol
+            Epos2Axis.of(axis).node: Epos2Link.of_link(robot, axis.link).protocol
             for axis in robot.axes
-            if robot.epos2_link(axis.link).driver is Epos2Driver.SERIAL
-            and robot.epos2_link(axis.link).gateway == axis.epos2.node
+            if Epos2Link.of_link(robot, axis.link).driver is Epos2Driver.SERIAL
+            and Epos2Link.of_link(robot, axis.link).gateway == Epos2Axis.of(axis).node
         }
-        nodes = [axis.epos2.node for axis in robot.axes]
+        nodes = [Epos2Axis.of(axis).node for axis in robot.axes]
         order = DrivesOrder(nodes, PROFILES["70/10"], 1_000_000, axes=names, serial=gateways)
         made, bank = drives(order)
         self.drives: Final = made
         self.axes: Final = {axis.name: axis for axis in bank.axes}
         self.world: Final = World(bank)
         self.host: Final = Host(robot)
-        self.buses: Final = {name: CanWire(link.bit_rate, name) for name, link in robot.epos2_links.items()}
+        self.buses: Final = {
+            name: CanWire(link.bit_rate, name) for name, link in Epos2Link.all_of(robot).items()
+        }
         self.guard: Final = guarded(self.host, robot)
         node: Node = self.guard if guarding else self.host
         wires: dict[str, Wire] = {}
-        for name, link in robot.links.items():
+        for name, link in Epos2Link.all_of(robot).items():
             if link.driver is Epos2Driver.SERIAL:
                 wires[name] = SerialWire(link.line_rate, name=f"{name} line")
                 node = MaxonLine(node, link.protocol, name)
@@ -121,7 +123,10 @@ class Bench:
                 wires[name] = self.buses[name]
         for axis in robot.axes:
             links: dict[str, Wire] = {CAN: self.buses[axis.link]}
-            if robot.epos2_link(axis.link).driver is Epos2Driver.SERIAL and axis.epos2.node in gateways:
+            if (
+                Epos2Link.of_link(robot, axis.link).driver is Epos2Driver.SERIAL
+                and Epos2Axis.of(axis).node in gateways
+            ):
                 links[SERIAL] = wires[axis.link]
             self.world.attach(axis.name, self.drives[axis.name], links)
         self.world.attach(HOST, node, wires)

@@ -9,6 +9,7 @@ from firmware_bridge.drivers.epos2.can.link_drivers import REMEMBERED, can_link_
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
@@ -84,5 +85,5 @@ def test_it_listens_as_long_as_the_drives_would_and_a_serial_line_receives_no_on
 def test_what_someone_else_writes_to_a_drive(node: int, frame: str, *, writes: bool) -> None:
     """Reading is free; a block transfer the drive does not know, nor what is cut short."""
     link_drivers = receives(0x600 + node, bytes.fromhex(frame))
-    reported = {driver.axis.epos2.node: driver.feedback.rewritten for driver in link_drivers.drivers}
+    reported = {Epos2Axis.of(driver.axis).node: driver.feedback.rewritten for driver in link_drivers.drivers}
     assert reported == {**dict.fromkeys(range(1, 5), ""), **({node: f"60{node}#{frame}"} if writes else {})}

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from firmware_bridge.drivers.epos2.scale import Scale, Travel, highest_rpm, travel_of, wrapped
 from firmware_bridge.drivers.epos2.setup import configuration
 from firmware_bridge.robot import Axis
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from hil_tests.unit.drivers.robots import LINK, RARS, with_axis
 
 WHEEL = RARS.axis("left_wheel")
@@ -135,7 +136,9 @@ def test_a_travel_that_the_drive_cannot_count_is_refused() -> None:
     """2000 quadcounts a turn and a following error of 20000: all of its travel fits the drive's limits."""
     furthest = (2**31 - 1 - 20_000) / 2000.0 * 2.0 * math.pi / 26.0
     whole = with_axis(WHEEL, travel=(-furthest, furthest))
-    limits = [row for row in configuration(whole, RARS.epos2_link(LINK)) if "position limit" in row.name]
+    limits = [
+        row for row in configuration(whole, Epos2Link.of_link(RARS, LINK)) if "position limit" in row.name
+    ]
     assert [row.value for row in limits] == [-(2**31) + 1, 2**31 - 1]
     with pytest.raises(ValueError, match="all that the drive can count"):
         with_axis(WHEEL, travel=(0.0, furthest * 1.000001))

@@ -7,11 +7,12 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.drivers.epos2 import setup
 from firmware_bridge.drivers.epos2.process_data import pdos
 from firmware_bridge.robot import Axis, CommandForm, Output
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import OUTPUT_MASK, OUTPUT_PINS, OUTPUT_POLARITY, OUTPUT_STATE
 from hil_tests.unit.drivers.robots import LINK, RARS, with_axis
 
-TABLE = RARS.epos2_link(LINK)
+TABLE = Epos2Link.of_link(RARS, LINK)
 AXES = pytest.mark.parametrize("axis", RARS.axes, ids=[axis.name for axis in RARS.axes])
 SAFETY = (
     od.CONSUMER_HEARTBEAT_1, od.ABORT_CONNECTION_OPTION, od.FAULT_REACTION_OPTION, od.PROFILE_DECELERATION,
@@ -104,7 +105,7 @@ def test_an_axis_without_travel_has_no_position_limits() -> None:
 def test_the_identity_is_the_types_whatever_its_hardware_version(
     named: int, found: int, *, right: bool
 ) -> None:
-    epos2 = RARS.axes[0].epos2.model_copy(update={"product_code": named})
+    epos2 = Epos2Axis.of(RARS.axes[0]).model_copy(update={"product_code": named})
     product = setup.identity(RARS.axes[0].model_copy(update={"settings": epos2}))[2]
     assert product.expected == f"product code 0x{named:08X}"
     assert product.has(found.to_bytes(4, "little")) is right

@@ -5,11 +5,12 @@ from typing import Any, Final
 
 import pytest
 
-from firmware_bridge.drivers.all_drivers import DRIVERS, all_drivers_of
+from firmware_bridge.drivers.all_drivers import all_drivers_of
 from firmware_bridge.drivers.driver import BRING_UP, Level, Power, SetPoint, Speed, Stop
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Output
+from firmware_bridge.robot.family_tables import words
 from firmware_bridge.robot.settings.ar2 import Ar2Driver
 from firmware_bridge.robot.settings.capture import CaptureDriver
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
@@ -54,7 +55,7 @@ ROBOTS = pytest.mark.parametrize("make", [on_can, on_lines, on_both])
 
 
 def test_every_driver_of_the_robot_file_makes_link_drivers() -> None:
-    assert set(DRIVERS) == {*Epos2Driver, *ShieldDriver, *Ar2Driver, *CaptureDriver}
+    assert set(words("link")) == {*Epos2Driver, *ShieldDriver, *Ar2Driver, *CaptureDriver}
 
 
 @ROBOTS

@@ -56,7 +56,7 @@ def write_whole(desk: SerialDesk, index: int, node: int, raw: bytes, size: int) 
     return commands
 
 
-@pytest.mark.long(keeps=["direct-Generation.V1", "direct-Generation.V2", "gateway-Generation.V1"])
+@pytest.mark.long(keeps=["direct-v1", "direct-v2", "gateway-v1"])
 @pytest.mark.opcode(0x12, 0x13, 0x14, 0x15)
 @both
 @pytest.mark.parametrize(

@@ -140,7 +140,7 @@ def _requested(generation: Generation) -> bytes:
     return desk.host.sent[:8] if generation is Generation.V1 else desk.host.sent
 
 
-@pytest.mark.long(keeps=["Generation.V1"])
+@pytest.mark.long(keeps=["v1"])
 @pytest.mark.parametrize("generation", Generation)
 def test_a_host_that_goes_away_at_any_byte_is_forgotten(generation: Generation) -> None:
     requested = _requested(generation)

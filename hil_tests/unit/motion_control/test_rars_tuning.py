@@ -11,6 +11,7 @@ from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.robot import Axis, CommandForm
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
@@ -23,7 +24,7 @@ WHEELS = ("left", "right")
 
 
 def objects_of(axis: Axis) -> dict[Address, int | bytes]:
-    settings = axis.epos2
+    settings = Epos2Axis.of(axis)
     gains, profile = settings.gains, settings.profile
     return {
         od.MODE: 3 if axis.command is CommandForm.SPEED else 1,
@@ -60,11 +61,13 @@ class Rars:
         names = [axis.name for axis in robot.axes]
         outputs = (*plant_outputs(names), *EXTRA)
         self.plant = FmuPlant(ensure("rars"), plant_inputs(names), outputs, parameters)
-        axes = [ServoAxis(axis.name, axis.epos2.quadcounts_per_turn) for axis in robot.axes]
+        axes = [ServoAxis(axis.name, Epos2Axis.of(axis).quadcounts_per_turn) for axis in robot.axes]
         self.axes = dict(zip(names, axes, strict=True))
         self.bank = ServoBank(self.plant, axes, supply=outputs.index("battery_voltage"))
         self.reported: list[tuple[str, int]] = []
-        self.stores = {axis.name: ObjectStore(axis.epos2.node, objects_of(axis)) for axis in robot.axes}
+        self.stores = {
+            axis.name: ObjectStore(Epos2Axis.of(axis).node, objects_of(axis)) for axis in robot.axes
+        }
         self.drives = {
             name: MotionControl(self.stores[name], self.axes[name], self._reporter(name)) for name in names
         }

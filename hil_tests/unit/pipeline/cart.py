@@ -31,6 +31,7 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, Robot, Table
 from firmware_bridge.robot.file import robot_of, table_of
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_type import RobotMode, RobotType
 from firmware_bridge.robot_types import robot_type_named
 from firmware_bridge.safety.interlock import Interlock, View
@@ -257,7 +258,7 @@ class FakeDriver:
         self.set_points.append(set_point)
         speed = set_point.value if isinstance(set_point, Speed) else 0.0
         self.feedback = replace(self.feedback, velocity=speed)
-        return (Packet(self.axis.link, self.axis.epos2.node, repr(set_point).encode()),)
+        return (Packet(self.axis.link, Epos2Axis.of(self.axis).node, repr(set_point).encode()),)
 
     def release(self) -> tuple[Packet, ...]:
         return ()

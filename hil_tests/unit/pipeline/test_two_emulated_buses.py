@@ -13,6 +13,7 @@ from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Robot
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.modes import number_of_own
@@ -48,12 +49,14 @@ class TwoBuses:
 
     def __init__(self, robot: Robot[Sizes]) -> None:
         names = [axis.name for axis in robot.axes]
-        nodes = [axis.epos2.node for axis in robot.axes]
+        nodes = [Epos2Axis.of(axis).node for axis in robot.axes]
         self.drives, bank = drives(DrivesOrder(nodes, PROFILES["70/10"], 1_000_000, axes=names))
         self.world: Final = World(bank)
         self.bridge: Final = Bridge(robot, ROBOT_TYPE)
         self.guard: Final = guarded(self.bridge, robot)
-        self.buses: Final = {name: CanWire(link.bit_rate, name) for name, link in robot.epos2_links.items()}
+        self.buses: Final = {
+            name: CanWire(link.bit_rate, name) for name, link in Epos2Link.all_of(robot).items()
+        }
         self.sent: Final[dict[str, list[Packet]]] = {name: [] for name in robot.links}
         for name, bus in self.buses.items():
             bus.observe(self._noting(name))

@@ -13,6 +13,7 @@ from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.recording import EPOCH
 from firmware_bridge.renamed import RenamedWarning
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND
 
@@ -26,7 +27,7 @@ def as_it_was() -> AnyRobot:
     """RARS of that day: the rack at 800 rpm, no position between the samples, one quick stop."""
     robot, axes = find("rars"), []
     for axis in robot.axes:
-        settings = axis.epos2
+        settings = Epos2Axis.of(axis)
         slow = {"velocity_rpm": 800} if axis.role == "steering" else {}
         profile = settings.profile.model_copy(update={"quick_stop_least_rpm_s": None, **slow})
         changed = settings.model_copy(update={"profile": profile, "position_every_ms": None})

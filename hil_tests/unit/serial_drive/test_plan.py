@@ -7,7 +7,8 @@ import pytest
 from firmware_bridge.drivers.all_drivers import all_drivers_of
 from firmware_bridge.drivers.epos2.serial.feedback import IN_TURN
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
-from firmware_bridge.drivers.epos2.serial.plan import PlanError, fitting_plan, plan_for
+from firmware_bridge.drivers.epos2.serial.plan import fitting_plan, plan_for
+from firmware_bridge.drivers.link_drivers import PlanError
 from firmware_bridge.robot import AnyRobot, Output
 from firmware_bridge.units import MICROSECOND, MILLISECOND
 from firmware_bridge.wire.maxon.frame import Generation

@@ -95,7 +95,7 @@ def test_the_recorded_exchange_on_usb() -> None:
     assert node.received == [Packet(LINE, 0x10, bytes.fromhex("00000000 92010200"))]
 
 
-@pytest.mark.long(keeps=["Generation.V2"])
+@pytest.mark.long(keeps=["v2"])
 @pytest.mark.parametrize("generation", Generation)
 def test_a_whole_start_up_states_them(generation: Generation) -> None:
     """The reads of drive 2's device type and of the first drive's statusword, in the bridge's stream."""

@@ -6,7 +6,7 @@ import pytest
 
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.robot import AnyRobot, RobotFileError
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link, nodes_on
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.drivers.robots import LINK, RARS, changed
 
@@ -24,18 +24,18 @@ def rars(stated: dict[str, object]) -> AnyRobot:
 
 
 def test_a_serial_link_is_named_with_its_gateway() -> None:
-    link = rars(ON_LINE).epos2_link(LINK)
+    link = Epos2Link.of_link(rars(ON_LINE), LINK)
     stated = (link.driver, link.gateway, link.protocol, link.line_rate)
     assert stated == (Epos2Driver.SERIAL, 1, Generation.V2, 1_000_000)
 
 
 def test_everything_of_the_line_can_be_stated() -> None:
-    link = rars({**ON_LINE, "protocol": "v1", "baud": 57_600, "port_latency_us": 0}).epos2_link(LINK)
+    link = Epos2Link.of_link(rars({**ON_LINE, "protocol": "v1", "baud": 57_600, "port_latency_us": 0}), LINK)
     assert (link.protocol, link.line_rate, link.port_latency_us) == (Generation.V1, 57_600, 0)
 
 
 def test_rars_itself_is_on_can() -> None:
-    assert RARS.epos2_link(LINK).driver is Epos2Driver.CAN
+    assert Epos2Link.of_link(RARS, LINK).driver is Epos2Driver.CAN
 
 
 @pytest.mark.parametrize(
@@ -61,13 +61,13 @@ def test_what_is_wrong_is_refused_by_file_and_key(stated: dict[str, object], key
 
 def test_the_command_line_puts_any_robot_on_a_line() -> None:
     """The first drive is the gateway where the file names none; other settings stay the file's."""
-    link = over_serial(RARS, Generation.V1, 38_400).epos2_link(LINK)
+    link = Epos2Link.of_link(over_serial(RARS, Generation.V1, 38_400), LINK)
     stated = (link.driver, link.gateway, link.protocol, link.line_rate)
     assert stated == (Epos2Driver.SERIAL, 1, Generation.V1, 38_400)
     named = rars({**ON_LINE, "gateway": 3, "protocol": "v1", "baud": 57_600})
     assert over_serial(named).links == named.links
-    assert over_serial(named, Generation.V2).epos2_link(LINK).line_rate == 1_000_000
-    assert over_serial(named, gateway=2).epos2_link(LINK).gateway == 2
+    assert Epos2Link.of_link(over_serial(named, Generation.V2), LINK).line_rate == 1_000_000
+    assert Epos2Link.of_link(over_serial(named, gateway=2), LINK).gateway == 2
 
 
 def test_a_gateway_that_is_not_there_is_refused() -> None:
@@ -87,6 +87,6 @@ def test_a_drive_alone_on_its_link_has_no_one_to_watch() -> None:
 @pytest.mark.parametrize(("gateway", "guardian"), [(1, 2), (2, 1), (4, 1)])
 def test_the_gateway_watches_the_first_other_drive(gateway: int, guardian: int) -> None:
     robot = rars({**ON_LINE, "gateway": gateway})
-    nodes = robot.nodes_on(LINK)
-    watched = {node: robot.epos2_link(LINK).watched_by(node, nodes) for node in nodes}
+    nodes = nodes_on(robot, LINK)
+    watched = {node: Epos2Link.of_link(robot, LINK).watched_by(node, nodes) for node in nodes}
     assert watched == {node: guardian if node == gateway else 100 for node in (1, 2, 3, 4)}

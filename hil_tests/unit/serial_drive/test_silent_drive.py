@@ -11,6 +11,7 @@ from firmware_bridge.drivers.epos2.serial.exchange import LineExchange, Rank
 from firmware_bridge.drivers.epos2.serial.feedback import ERROR_REGISTER, POSITION, STATUSWORD, ReadRow
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from firmware_bridge.wire.maxon.frame import MaxonAnswer
 from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, WriteObject
@@ -33,7 +34,7 @@ class Line:
         self.steer.read(ERROR_REGISTER, Rank.ROTATING)
 
     def drive(self, node: int) -> Epos2OnSerial:
-        axis = next(axis for axis in ROBOT.axes if axis.epos2.node == node)
+        axis = next(axis for axis in ROBOT.axes if Epos2Axis.of(axis).node == node)
         return Epos2OnSerial(axis, ROBOT, self.exchange)
 
     def answered(self, node: int, row: ReadRow, error: int = 0) -> tuple[Packet, ...]:

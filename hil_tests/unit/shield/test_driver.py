@@ -9,17 +9,18 @@ import pytest
 from emulators.arduino_omni.board import FIRMWARES, Board
 from emulators.arduino_omni.motors import four_motors
 from firmware_bridge.drivers.driver import Reports, Speed, Stop, Task
+from firmware_bridge.drivers.link_drivers import PlanError
 from firmware_bridge.drivers.shield.dialects import DIALECTS, Dialect
 from firmware_bridge.drivers.shield.expressed import expressed
 from firmware_bridge.drivers.shield.link_drivers import over_protocol, shield_link_drivers
 from firmware_bridge.drivers.shield.motor import ShieldMotor
-from firmware_bridge.drivers.shield.plan import MOST, ShieldPlanError, fitting_plan, shield_plan
+from firmware_bridge.drivers.shield.plan import MOST, fitting_plan, shield_plan
 from firmware_bridge.drivers.shield.regulator import Pwm, Ticks
 from firmware_bridge.drivers.shield.stops import stop_stages
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, RobotFileError
-from firmware_bridge.robot.settings.shield import ShieldProtocol
+from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldLink, ShieldProtocol
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
@@ -34,8 +35,8 @@ def over(protocol: str, encoders: int | None = None) -> AnyRobot:
 
 def dialect(protocol: str, encoders: int | None = None) -> Dialect:
     robot = over(protocol, encoders)
-    link = robot.shield_link("board")
-    return DIALECTS[link.protocol](link, [axis.shield for axis in robot.axes])
+    link = ShieldLink.of_link(robot, "board")
+    return DIALECTS[link.protocol](link, [ShieldAxis.of(axis) for axis in robot.axes])
 
 
 def stated(protocol: str, words: str, *given: Any) -> list[str]:
@@ -160,11 +161,11 @@ def test_a_reversal_fits_in_the_cycle_that_each_protocol_has(protocol: ShieldPro
 
 
 def test_what_does_not_fit_is_refused_with_its_time_and_the_remedy() -> None:
-    link = over("mw").shield_link("board").model_copy(update={"every": 1, "port_latency_us": 3_000})
+    link = ShieldLink.of_link(over("mw"), "board").model_copy(update={"every": 1, "port_latency_us": 3_000})
     tight = over("mw").with_links({"board": link})
     assert shield_plan(tight, "board").share > MOST
     with pytest.raises(
-        ShieldPlanError,
+        PlanError,
         match=r"a reversal over mw takes 4\d\.\d ms, .* more than 80% of its cycle of 50 ms; use every = 2",
     ):
         fitting_plan(tight, "board")
@@ -193,7 +194,7 @@ def test_a_stop_ends_with_the_boards_reset_and_reports_of_its_own_stop_where_it_
         names[protocol] = [stage.name for stage in stages]
         notes[protocol] = stages[-1].note
         assert stages[-1].task is Task.RESET
-        assert stages[2].within == 3 * robot.shield_link("board").answers_within_ms * MILLISECOND
+        assert stages[2].within == 3 * ShieldLink.of_link(robot, "board").answers_within_ms * MILLISECOND
         assert stages[0].set_point is Stop.STANDSTILL
         assert all(stage.set_point is Stop.POWER_OFF for stage in stages if stage.ends_power)
     assert names["ros-arduino-bridge"] == names["arduinoio"] == ["speed 0", "brake", "release", "reset"]
@@ -230,7 +231,9 @@ def test_a_start_shows_whether_the_reset_of_a_board_works_that_does_not_stop_by_
 ) -> None:
     """Start by a firmware's own greeting; ArduinoIO sends none, and a cut wire lets nothing begin."""
     link = shield_link_drivers(over(protocol), "board").link
-    board = Board(FIRMWARES[protocol], four_motors(), encoders=over(protocol).shield_link("board").counted)
+    board = Board(
+        FIRMWARES[protocol], four_motors(), encoders=ShieldLink.of_link(over(protocol), "board").counted
+    )
     now, ended = 5 * SECOND, False
     for at in range(0, now, SECOND // 10):
         board.wake(at)

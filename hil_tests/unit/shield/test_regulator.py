@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.drivers.shield.regulator import Pwm, Ticks
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard.shield import GuardedMotor
 from firmware_bridge.safety.guard.shield_commands import Inputs
@@ -24,7 +25,7 @@ ORDERS: Final = st.lists(
 
 def regulator_of(robot: AnyRobot) -> Ticks | Pwm:
     axis = robot.axes[0]
-    return Ticks(axis, CYCLE) if robot.shield_link("board").stops_itself else Pwm(axis, CYCLE)
+    return Ticks(axis, CYCLE) if ShieldLink.of_link(robot, "board").stops_itself else Pwm(axis, CYCLE)
 
 
 def inputs(output: int) -> Inputs:

@@ -13,7 +13,7 @@ from firmware_bridge.drivers.epos2.process_data import BRAKING, BRAKING_COB_ID
 from firmware_bridge.drivers.epos2.setup import configuration
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, Output
-from firmware_bridge.robot.settings.epos2 import Epos2Link
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 from firmware_bridge.units import NEVER, Nanoseconds
 
 
@@ -24,11 +24,11 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
 
     def __init__(self, axis: Axis, link: Epos2Link, outputs: tuple[Output, ...] = ()) -> None:
         """Take the axis, its link, and what is switched at its drive."""
-        self._client: Final = NodeClient(axis.link, axis.epos2.node)
+        self._client: Final = NodeClient(axis.link, Epos2Axis.of(axis).node)
         super().__init__(axis, CanFeedback(axis), self._client, configuration(axis, link, outputs))
-        self._answers: Final = cia301.SDO_RESPONSE + axis.epos2.node
+        self._answers: Final = cia301.SDO_RESPONSE + Epos2Axis.of(axis).node
         """Identifier of its SDO server's answers."""
-        self._braking: Final = BRAKING_COB_ID + axis.epos2.node
+        self._braking: Final = BRAKING_COB_ID + Epos2Axis.of(axis).node
         self.wake_at: Nanoseconds = NEVER
         """Time of its next wake-up. Read after every packet: so it is an attribute."""
         self._requests: deque[ObjectRequest] = deque()
@@ -64,11 +64,11 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
 
     def _brakes(self, set_point: SetPoint) -> tuple[Packet, ...]:
         """Return the frame of the quick stop deceleration that goes with a speed, where it may be lowered."""
-        least = self._axis.epos2.profile.quick_stop_least_rpm_s
+        least = Epos2Axis.of(self._axis).profile.quick_stop_least_rpm_s
         # During a stop the last one stays: both axes of a ratio shall come to rest together.
         if least is None or not isinstance(set_point, Speed):
             return ()
-        most = self._axis.epos2.profile.quick_stop_rpm_s
+        most = Epos2Axis.of(self._axis).profile.quick_stop_rpm_s
         wanted = set_point.braking * most
         # Written so that a NaN brakes as hard as it may.
         value = round(wanted) if least <= wanted <= most else least if wanted < least else most

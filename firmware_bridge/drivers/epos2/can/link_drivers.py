@@ -11,7 +11,7 @@ from firmware_bridge.drivers.epos2.process_data import SET_POINT_COB_ID
 from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Link
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire import can
 
@@ -24,7 +24,7 @@ REMEMBERED: Final[Nanoseconds] = SECOND
 
 def can_link_drivers(robot: AnyRobot, name: str) -> LinkDrivers:
     """Return the devices on the robot's CAN link of this name."""
-    table = robot.epos2_link(name)
+    table = Epos2Link.of_link(robot, name)
     drives = tuple(Epos2OnCan(axis, table, outputs_at(robot, axis)) for axis in robot.axes_on(name))
     link = CanLink(name, drives, table)
     return LinkDrivers(link, table, drives, inputs_of(robot, name, drives), outputs_of(robot, drives))
@@ -46,7 +46,7 @@ class CanLink:
         """Always None: a port that loses its bus ends the program."""
         self.wake_at: Nanoseconds = NEVER
         self._drives = tuple(drives)
-        self._by_node = {drive.axis.epos2.node: drive for drive in self._drives}
+        self._by_node = {Epos2Axis.of(drive.axis).node: drive for drive in self._drives}
         beat = cia301.encode_heartbeat(NmtState.OPERATIONAL)
         self._beat = Packet(name, cia301.ERROR_CONTROL + table.bridge_node, beat)
         self._sync = Packet(name, cia301.SYNC, b"")
@@ -109,5 +109,8 @@ def _masters(drives: Iterable[Epos2OnCan], table: Epos2Link) -> dict[int, str]:
         cia301.NMT: "a network command",
         cia301.SYNC: "SYNC",
         beat: f"the heartbeat of this bridge, node {table.bridge_node}",
-        **{SET_POINT_COB_ID[axis.command] + axis.epos2.node: f"{axis.called} set-points" for axis in axes},
+        **{
+            SET_POINT_COB_ID[axis.command] + Epos2Axis.of(axis).node: f"{axis.called} set-points"
+            for axis in axes
+        },
     }

@@ -40,6 +40,7 @@ from firmware_bridge.drivers.epos2.setup import configuration, through_gateway
 from firmware_bridge.drivers.epos2.tasks import NEWEST_ERROR
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis, CommandForm
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link, nodes_on
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, Request, SendNmtService, WriteObject
 
@@ -61,8 +62,8 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         self.present = False
         """True where its last answer came; a drive without one is not queried in every cycle."""
         self._exchange = exchange
-        link = robot.epos2_link(axis.link)
-        traffic = through_gateway(axis, link, robot.nodes_on(axis.link))
+        link = Epos2Link.of_link(robot, axis.link)
+        traffic = through_gateway(axis, link, nodes_on(robot, axis.link))
         feedback = SerialFeedback(axis)
         self._proof = Proof(
             axis,
@@ -77,7 +78,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         super().__init__(
             axis,
             feedback,
-            SerialClient(axis.epos2.node, exchange, self._note),
+            SerialClient(Epos2Axis.of(axis).node, exchange, self._note),
             rows,
             started=self._proof.script,
         )
@@ -141,7 +142,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
 
     def read(self, row: ReadRow, rank: Rank) -> Job:
         """Ask for an object."""
-        job = Job(rank, self, (reading(self._axis.epos2.node, row.address),))
+        job = Job(rank, self, (reading(Epos2Axis.of(self._axis).node, row.address),))
         self._exchange.put(job)
         return job
 
@@ -149,7 +150,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         """Read an object when the line has time, or write one; dropped where the drive does not answer."""
         if self.present:
             rank = Rank.ROTATING if request.transfer.raw is None else Rank.TASK
-            commands = (request_for(self._axis.epos2.node, request.transfer),)
+            commands = (request_for(Epos2Axis.of(self._axis).node, request.transfer),)
             self._exchange.put(Job(rank, _Requested(request, self._note, now), commands))
         else:
             request.over = True
@@ -214,7 +215,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
 
     def _sent(self, frames: tuple[Packet, ...]) -> tuple[Packet, ...]:
         """Turn what the CAN driver would send into jobs."""
-        node = self._axis.epos2.node
+        node = Epos2Axis.of(self._axis).node
         for frame in frames:
             if frame.address == cia301.NMT:
                 self._exchange.put(Job(Rank.TASK, self, (SendNmtService(node, frame.payload[0]),)))
@@ -230,7 +231,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         raw = target.to_bytes(4, "little", signed=True)
         writes: list[Request] = []
         if axis.command is CommandForm.SPEED or taken.get(address) != int.from_bytes(raw, "little"):
-            writes.append(writing(axis.epos2.node, address, raw))
+            writes.append(writing(Epos2Axis.of(axis).node, address, raw))
         if word == NEW_POSITION and taken.get(od.CONTROLWORD, NEW_POSITION) == NEW_POSITION:
             # The drive takes a position at the bit's rising edge, and the bit may be set.
             writes.append(self._word(ENABLE))
@@ -241,7 +242,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         self._exchange.put(self._writes)
 
     def _word(self, controlword: int) -> WriteObject:
-        return writing(self._axis.epos2.node, od.CONTROLWORD, DataType.UNSIGNED16.encode(controlword))
+        return writing(Epos2Axis.of(self._axis).node, od.CONTROLWORD, DataType.UNSIGNED16.encode(controlword))
 
     def _forget_unsent(self) -> None:
         """Drop what has not left of the newest set-point; what the drive holds then is not known."""

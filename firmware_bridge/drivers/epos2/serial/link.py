@@ -14,7 +14,7 @@ from firmware_bridge.drivers.epos2.serial.drive import Epos2OnSerial
 from firmware_bridge.drivers.epos2.serial.exchange import Job, LineExchange, Rank, Result
 from firmware_bridge.drivers.epos2.serial.feedback import IN_EVERY_CYCLE, IN_TURN
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot.settings.epos2 import Epos2Link
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.can import MAX_PAYLOAD
 from firmware_bridge.wire.maxon.messages import Request, RequestCanFrame, SendCanFrame
@@ -56,7 +56,7 @@ class SerialLink:
         """From the begin of a cycle to the end of its last command, where no drive had tasks to do."""
         self._drives = tuple(drives)
         self._exchange = exchange
-        nodes = tuple(drive.axis.epos2.node for drive in self._drives)
+        nodes = tuple(Epos2Axis.of(drive.axis).node for drive in self._drives)
         self._heartbeat = heartbeat(table)
         self._guarding = guarding(table, nodes)
         self._guardian = self._drives[nodes.index(table.guardian(nodes))]

@@ -12,12 +12,14 @@ from typing import Final
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.drivers.epos2.inputs_outputs import outputs_at
 from firmware_bridge.drivers.epos2.serial.client import reading, writing
 from firmware_bridge.drivers.epos2.serial.drive import TARGET
 from firmware_bridge.drivers.epos2.serial.feedback import IN_EVERY_CYCLE, IN_TURN, ReadRow
 from firmware_bridge.drivers.epos2.serial.link import guarding, heartbeat
+from firmware_bridge.drivers.link_drivers import PlanError
 from firmware_bridge.robot import AnyRobot, Axis, CommandForm
-from firmware_bridge.robot.settings.epos2 import Epos2Link
+from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis, Epos2Link, nodes_on
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import OUTPUT_STATE
@@ -43,10 +45,6 @@ WORDS: Final = {
 """Of one set-point: a position's bit is released in the middle of the cycle, too."""
 LONGEST_CYCLE_MS: Final = 1_000
 """Longest cycle that a robot file may set."""
-
-
-class PlanError(Exception):
-    """A cycle that does not fit on the line: which object is too many, by how much, and what to do."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +110,7 @@ def fitting_plan(robot: AnyRobot, name: str) -> Plan:
     raise PlanError(
         f"link '{name}': a cycle of {plan.cycle // MILLISECOND} ms does not hold {entry.what}: it would end "
         f"{late / MILLISECOND:.1f} ms too late, and the whole cycle takes {plan.time / MILLISECOND:.1f} ms. "
-        f"{_remedy(plan, robot.epos2_link(name).every)}, or use a faster line: protocol v2, a higher baud, "
+        f"{_remedy(plan, robot.links[name].every)}, or use a faster line: protocol v2, a higher baud, "
         f"a port with less latency (links.{name}.port_latency_us)"
     )
 
@@ -127,7 +125,7 @@ def _remedy(plan: Plan, every: int) -> str:
 
 def plan_for(robot: AnyRobot, name: str) -> Plan:
     """Lay out the fullest cycle of the serial link of this name."""
-    link, axes, nodes = robot.epos2_link(name), robot.axes_on(name), robot.nodes_on(name)
+    link, axes, nodes = Epos2Link.of_link(robot, name), robot.axes_on(name), nodes_on(robot, name)
     beat = (
         LineCommand("the bridge's heartbeat", _cost(link, heartbeat(link), through=False)),
         LineCommand(
@@ -165,26 +163,26 @@ def _in_turn(link: Epos2Link, axes: Sequence[Axis], cycle: int) -> Iterator[Line
 
 def _at_pins(robot: AnyRobot, name: str, axes: Sequence[Axis]) -> Iterator[LineCommand]:
     """Give the reads of the sensors on a link, and one write for each drive with outputs."""
-    link, by_name = robot.epos2_link(name), {axis.name: axis for axis in axes}
+    link, by_name = Epos2Link.of_link(robot, name), {axis.name: axis for axis in axes}
     for axis in axes:
-        if any(output.settings.axis == axis.name for output in robot.outputs):
-            write = writing(axis.epos2.node, OUTPUT_STATE, b"")
+        if outputs_at(robot, axis):
+            write = writing(Epos2Axis.of(axis).node, OUTPUT_STATE, b"")
             yield LineCommand(f"outputs of {axis.called}", _through(link, axis, write))
     for sensor in robot.sensors:
         if sensor.link == name:
-            address = Address(at.ANALOGUE_INPUT_1.index, sensor.analogue.input)
+            address = Address(at.ANALOGUE_INPUT_1.index, Epos2AnalogueInput.of(sensor).input)
             row = ReadRow(address, OBJECTS[address].type, sensor.name)
-            yield _read(link, row, by_name[sensor.analogue.axis])
+            yield _read(link, row, by_name[Epos2AnalogueInput.of(sensor).axis])
 
 
 def _read(link: Epos2Link, row: ReadRow, axis: Axis) -> LineCommand:
-    request = reading(axis.epos2.node, row.address)
+    request = reading(Epos2Axis.of(axis).node, row.address)
     return LineCommand(f"{row.name} of {axis.called}", _through(link, axis, request))
 
 
 def _written(link: Epos2Link, axis: Axis) -> Iterator[LineCommand]:
     """Give the writes of one set-point."""
-    node = axis.epos2.node
+    node = Epos2Axis.of(axis).node
     yield LineCommand(
         f"target of {axis.called}", _through(link, axis, writing(node, TARGET[axis.command], b""))
     )
@@ -195,7 +193,7 @@ def _written(link: Epos2Link, axis: Axis) -> Iterator[LineCommand]:
 
 
 def _through(link: Epos2Link, axis: Axis, request: Request) -> Nanoseconds:
-    return _cost(link, request, through=axis.epos2.node != link.gateway)
+    return _cost(link, request, through=Epos2Axis.of(axis).node != link.gateway)
 
 
 def _cost(link: Epos2Link, request: Request, *, through: bool) -> Nanoseconds:

@@ -1,0 +1,1 @@
+"""The device families that come with the program: a folder each, found by entry point."""

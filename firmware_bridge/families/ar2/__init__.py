@@ -1,0 +1,1 @@
+"""Boards of AR2 arms."""

@@ -1,0 +1,32 @@
+"""Boards of AR2 arms as a family of devices."""
+
+from typing import Final
+
+from firmware_bridge.drivers.ar2.joint import REPORTS
+from firmware_bridge.drivers.ar2.link_drivers import ar2_link_drivers
+from firmware_bridge.drivers.ar2.stops import CONFIRMED_BY, alone, stop_stages
+from firmware_bridge.family import Family
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Link
+from firmware_bridge.safety.guard.ar2 import Ar2Rules
+
+
+def _shown(robot: AnyRobot, name: str) -> str:
+    link = Ar2Link.of_link(robot, name)
+    every = f"every {link.every * robot.cycle_ms} ms"
+    return f"{name}: {link.driver.value}, {link.rate} Bd, moves of {link.move_ms} ms\n{every}"
+
+
+FAMILY: Final = Family(
+    name="ar2",
+    title="a board of an AR2 arm",
+    link=Ar2Link,
+    axis=Ar2Axis,
+    link_drivers=ar2_link_drivers,
+    reports=lambda _robot, _axis: REPORTS,
+    stop_stages=stop_stages,
+    confirmed_by=CONFIRMED_BY,
+    alone=alone,
+    wire_rules=Ar2Rules,
+    shown=_shown,
+)

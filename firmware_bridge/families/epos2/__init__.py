@@ -1,0 +1,1 @@
+"""EPOS2 drives, on CAN or behind a serial port."""

@@ -1,0 +1,68 @@
+"""EPOS2 drives as a family of devices."""
+
+from typing import Final
+
+from firmware_bridge.drivers.epos2.can.link_drivers import can_link_drivers
+from firmware_bridge.drivers.epos2.feedback import REPORTS
+from firmware_bridge.drivers.epos2.serial.line import MaxonLine
+from firmware_bridge.drivers.epos2.serial.link_drivers import OPTIONS, serial_link_drivers, with_options
+from firmware_bridge.drivers.epos2.stops import CONFIRMED_BY, alone, stop_stages
+from firmware_bridge.drivers.link_drivers import LinkDrivers
+from firmware_bridge.families.epos2.check import check
+from firmware_bridge.family import Family
+from firmware_bridge.node import Node
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import (
+    Epos2AnalogueInput,
+    Epos2Axis,
+    Epos2DigitalOutput,
+    Epos2Driver,
+    Epos2Link,
+)
+from firmware_bridge.robot.table import LinkTable
+from firmware_bridge.safety.guard.epos2_can import Epos2CanRules
+from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
+from firmware_bridge.safety.guard.wire_rules import WireRules
+
+
+def _link_drivers(robot: AnyRobot, name: str) -> LinkDrivers:
+    serial = Epos2Link.of_link(robot, name).driver is Epos2Driver.SERIAL
+    return (serial_link_drivers if serial else can_link_drivers)(robot, name)
+
+
+def _wire_rules(robot: AnyRobot, name: str) -> WireRules:
+    serial = Epos2Link.of_link(robot, name).driver is Epos2Driver.SERIAL
+    return (Epos2SerialRules if serial else Epos2CanRules)(robot, name)
+
+
+def _line_end(node: Node, link: LinkTable, name: str) -> Node:
+    if not isinstance(link, Epos2Link) or link.driver is Epos2Driver.CAN:
+        return node
+    return MaxonLine(node, link.protocol, name)
+
+
+def _shown(robot: AnyRobot, name: str) -> str:
+    link = Epos2Link.of_link(robot, name)
+    every = f"every {link.every * robot.cycle_ms} ms"
+    return f"{name}: {link.driver.value}, {link.bit_rate // 1000} kbit/s\n{every}"
+
+
+FAMILY: Final = Family(
+    name="epos2",
+    title="a link to EPOS2 drives",
+    link=Epos2Link,
+    axis=Epos2Axis,
+    sensor=Epos2AnalogueInput,
+    output=Epos2DigitalOutput,
+    check=check,
+    link_drivers=_link_drivers,
+    reports=lambda _robot, _axis: REPORTS,
+    stop_stages=stop_stages,
+    confirmed_by=CONFIRMED_BY,
+    alone=alone,
+    wire_rules=_wire_rules,
+    line_end=_line_end,
+    takes=OPTIONS,
+    over=with_options,
+    shown=_shown,
+)
