@@ -5,12 +5,15 @@ Nothing outside that package knows the family by name: a robot file's `driver` c
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
+    from firmware_bridge.dissector.dictionary import Dictionary
+    from firmware_bridge.dissector.expected import Expected
+    from firmware_bridge.dissector.protocols import Protocols
     from firmware_bridge.drivers.driver import Reports
     from firmware_bridge.drivers.link_drivers import LinkDrivers
     from firmware_bridge.drivers.stop_stages import StopStage
@@ -71,6 +74,11 @@ def _at_the_end(node: "Node", _link: "LinkTable", _name: str) -> "Node":
     return node
 
 
+def _no_nodes(_robot: "AnyRobot", _link: str) -> "Iterator[Expected]":
+    """Yield nothing: no CANopen is on such a link."""
+    return iter(())
+
+
 def _named(robot: "AnyRobot", link: str) -> str:
     """Return a link's name, driver and cycle."""
     table = robot.links[link]
@@ -116,6 +124,12 @@ class Family:
     """Return a robot with its links of the family by these options; RobotFileError where they do not suit."""
     drivable: "Callable[[AnyRobot], AnyRobot]" = _complete
     """Return a robot, by its options; RobotFileError where it lacks what it cannot be driven without."""
+    protocols: "Mapping[str, Protocols]" = field(default_factory=dict, hash=False)
+    """Who reads the packets of its links, by the kinds of links; CAN frames are read for all."""
+    dictionary: "Dictionary | None" = field(default=None, hash=False)
+    """The objects of its CANopen devices; None: it has none."""
+    expected: "Callable[[AnyRobot, str], Iterator[Expected]]" = _no_nodes
+    """Yield the CANopen nodes on a link by its name, for a reader that has not seen their set-up."""
     shown: "Callable[[AnyRobot, str], str]" = _named
     """Describe a link by its name, for people: rate, protocol and load, in some lines."""
 

@@ -362,7 +362,7 @@ def _commissioned(file: Path) -> "Mapping[Address, int]":
     from firmware_bridge.wire.epos2.differences import ANY_TYPE
 
     with one_message(SheetError):
-        found = configured(file).values
+        found = configured(file, ANY_TYPE).values
     return {address: value for address, value in found.items() if is_parameter(ANY_TYPE[address])}
 
 

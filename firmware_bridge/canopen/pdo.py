@@ -10,6 +10,11 @@ from typing import Final
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import DataType
 
+RECEIVE_PARAMETER: Final = 0x1400
+RECEIVE_MAPPING: Final = 0x1600
+TRANSMIT_PARAMETER: Final = 0x1800
+TRANSMIT_MAPPING: Final = 0x1A00
+"""Indices of the first PDO of each direction (CiA 301)."""
 MAX_ENTRIES: Final = 8
 MAX_BITS: Final = 64
 

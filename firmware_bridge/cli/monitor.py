@@ -24,14 +24,14 @@ from firmware_bridge.cli.options import (
     until,
 )
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.runtime import can_files
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 if TYPE_CHECKING:
     from firmware_bridge.canopen.address import Address
+    from firmware_bridge.canopen.object_row import ObjectRow
     from firmware_bridge.dissector.bus_picture import BusPicture
-    from firmware_bridge.dissector.robot_mapping import Expected
+    from firmware_bridge.dissector.expected import Expected
 
 
 EXAMPLES: Final = """Examples:
@@ -92,10 +92,10 @@ class MonitorOptions:
     device: Annotated[
         str | None,
         typer.Option(
-            metavar="epos2",
-            help="Device type of nodes whose PDO mapping was not seen to be written: an EPOS2 with its "
-            "defaults.",
-            show_default="an EPOS2 where a node reports maxon's vendor number (0x1018:1), else not known",
+            metavar="FAMILY",
+            help="Family of nodes whose PDO mapping was not seen to be written, as epos2: they have "
+            "its defaults.",
+            show_default="by the vendor number that a node reports (0x1018:1), else not known",
         ),
     ] = None
     eds: Annotated[
@@ -115,7 +115,6 @@ class MonitorOptions:
 
 DRAW_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
 
-EPOS2: Final = "epos2"
 TELEMETRY: Final = ".tlog"
 _ON_SCREEN: Final = re.compile(r"\s*\S+\s+[0-9A-Fa-f]{3,8}\s+\[\d+\]")
 BIT_RATE: Final = 1_000_000
@@ -267,10 +266,12 @@ def _picture(given: MonitorOptions) -> "BusPicture":
     if given.robot is None:
         if given.link is not None:
             raise refusal(f"--link {given.link}: only a robot has links; use --robot, too")
-        return BusPicture(given.bit_rate or BIT_RATE, _configured(given), _sheet(given), epos2=_device(given))
+        return BusPicture(
+            given.bit_rate or BIT_RATE, _configured(given), _sheet(given), device=_device(given)
+        )
     # With them come pydantic and every installed robot.
     from firmware_bridge.cli.robot_argument import find_robot
-    from firmware_bridge.dissector.robot_mapping import can_links, expected_on
+    from firmware_bridge.dissector.expected import can_links, expected_on
 
     robot = find_robot(given.robot)
     links = can_links(robot)
@@ -280,38 +281,48 @@ def _picture(given: MonitorOptions) -> "BusPicture":
     if link not in links:
         raise refusal(f"{robot.name} is on these buses: {', '.join(links)}; select one with --link")
     # Without the right bit rate the load would be wrong; the frames are decoded all the same.
-    rate = given.bit_rate or Epos2Link.of_link(robot, link).bit_rate
+    rate = given.bit_rate or robot.links[link].rate
     expected = (*expected_on(robot, link), *_configured(given))
-    return BusPicture(rate, expected, _sheet(given), epos2=_device(given))
+    return BusPicture(rate, expected, _sheet(given), device=_device(given))
 
 
-def _device(given: MonitorOptions) -> bool:
-    if given.device not in {None, EPOS2}:
-        raise refusal(f"--device {given.device}: there is {EPOS2}; for any other use --eds FILE")
-    return given.device is not None
+def _device(given: MonitorOptions) -> str:
+    from firmware_bridge.dissector.dictionary import dictionaries
+
+    known = dictionaries()
+    if given.device is not None and given.device not in known:
+        raise refusal(f"--device {given.device}: there is {', '.join(known)}; for any other use --eds FILE")
+    return given.device or ""
+
+
+def _rows(given: MonitorOptions) -> "Mapping[Address, ObjectRow]":
+    """Return the objects that a data sheet may have: the named family's, or those of all."""
+    from firmware_bridge.dissector.dictionary import dictionaries
+
+    named, every = _device(given), dictionaries()
+    return {at: row for name in ([named] if named else every) for at, row in every[name].rows.items()}
 
 
 def _sheet(given: MonitorOptions) -> "Mapping[Address, int] | None":
     from firmware_bridge.runtime.data_sheets import SheetError, defaults
 
     with one_message(SheetError):
-        return None if given.eds is None else defaults(given.eds).values
+        return None if given.eds is None else defaults(given.eds, _rows(given)).values
 
 
 def _configured(given: MonitorOptions) -> "tuple[Expected, ...]":
     """Return the nodes of configuration files; one that names none ends the program with a message."""
-    from firmware_bridge.dissector.robot_mapping import Expected
+    from firmware_bridge.dissector.expected import Expected
     from firmware_bridge.runtime.data_sheets import SheetError, configured
-    from firmware_bridge.wire.epos2.differences import ANY_TYPE
 
-    found = []
+    found, rows = [], _rows(given) if given.dcf else {}
     for file in given.dcf or ():
         with one_message(SheetError):
-            sheet = configured(file)
+            sheet = configured(file, rows)
         if not sheet.node:
             raise refusal(f"--dcf {file}: it names no node; give [DeviceComissioning] its NodeID")
         # As if the bridge had written these values, so that the PDOs' mapping is known.
-        written = tuple((address, ANY_TYPE[address].type.encode(v)) for address, v in sheet.values.items())
+        written = tuple((address, rows[address].type.encode(v)) for address, v in sheet.values.items())
         found.append(Expected(sheet.node, "", written))
     return tuple(found)
 

@@ -14,8 +14,8 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
 from firmware_bridge.dissector.canopen import MASTER, Canopen, service_name
+from firmware_bridge.dissector.expected import Expected
 from firmware_bridge.dissector.lately import Lately
-from firmware_bridge.dissector.robot_mapping import Expected
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.can import ERROR, INTERFRAME_BITS, REMOTE, frame_bits
@@ -102,9 +102,9 @@ class BusPicture:
         expected: tuple[Expected, ...] = (),
         sheet: Mapping[Address, int] | None = None,
         *,
-        epos2: bool = False,
+        device: str = "",
     ) -> None:
-        """Take the drives of a robot; all others by a data sheet, or as EPOS2 drives."""
+        """Take the drives of a robot; all others by a data sheet, or as of the family `device`."""
         self.bit_rate: Final = bit_rate
         self.frames = 0
         self.bits = 0
@@ -113,7 +113,7 @@ class BusPicture:
         self.now: Nanoseconds = 0
         self.error: Error | None = None
         """The last one."""
-        self._reader = Canopen(defaults=epos2, sheet=sheet)
+        self._reader = Canopen(device, defaults=bool(device), sheet=sheet)
         self._nodes: dict[int, NodeSeen] = {}
         self._messages: dict[int, MessageSeen] = {}
         self._titles = {one.node: one.title for one in expected}

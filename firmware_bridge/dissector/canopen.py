@@ -2,7 +2,7 @@
 
 Identifiers are those of the predefined connection set (CiA 301 v4.02), and the PDOs' own as far as they were
 seen to be written: a reader that has followed a set-up knows what is mapped. Before it a PDO is read by the
-defaults of the EPOS2; bytes that do not fit its mapping are left as they are.
+defaults of the node's family; bytes that do not fit its mapping are left as they are.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -13,14 +13,12 @@ from firmware_bridge.canopen import cia301, sdo
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.lss import LssCommand
+from firmware_bridge.canopen.pdo import TRANSMIT_MAPPING
+from firmware_bridge.dissector.dictionary import NOTHING, dictionaries
 from firmware_bridge.dissector.nodes import Nodes
-from firmware_bridge.drivers.commissioning.names import called
-from firmware_bridge.drivers.commissioning.words import words
 from firmware_bridge.packet import Packet
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE, identifier
 from firmware_bridge.wire.can_error import BUS_OFF, CONTROLLER, RESTARTED
-from firmware_bridge.wire.epos2.hardware import MAXON
-from firmware_bridge.wire.epos2.objects_pdo import TRANSMIT_MAPPING
 
 _REPORTS: Final = {CONTROLLER: "controller state", BUS_OFF: "bus off", RESTARTED: "restarted"}
 _LSS: Final = {int(command): command for command in LssCommand}
@@ -34,15 +32,22 @@ OTHER: Final = "other"
 class Canopen:
     """A reader of the frames of one bus, in their order."""
 
-    def __init__(self, *, defaults: bool = True, sheet: Mapping[Address, int] | None = None) -> None:
-        """Take `defaults`: read a PDO whose mapping was not seen to be written as an EPOS2's default.
+    def __init__(
+        self,
+        device: str = "",
+        *,
+        defaults: bool = True,
+        sheet: Mapping[Address, int] | None = None,
+    ) -> None:
+        """Read nodes of an unknown maker as of the family `device`, the first one where it is empty.
 
-        `sheet` has other defaults, of a data sheet. A node that is known as maxon's from its frames is read
-        so anyway.
+        With `defaults` also a PDO whose mapping was not seen to be written; `sheet` has other defaults, of a
+        data sheet. A node whose vendor is known from its frames is read by its own dictionary anyway.
         """
-        self._nodes = Nodes(sheet or {})
+        self._by_vendor = {one.vendor: one for one in dictionaries().values()}
+        unknown = dictionaries()[device] if device else next(iter(dictionaries().values()), NOTHING)
+        self._nodes = Nodes(unknown, sheet or {})
         self._defaults = defaults or sheet is not None
-        self._maxon: set[int] = set()
         self._requested: dict[int, Address] = {}
         """The object of each node's SDO transfer."""
 
@@ -127,8 +132,8 @@ class Canopen:
         decoded = cia301.decode_emergency(payload)
         if decoded is None:
             return f"EMCY node {node}: too short"
-        cause = ", ".join(words(Address(0x1003, 1), decoded.code))
-        register = ", ".join(words(od.ERROR_REGISTER, decoded.register))
+        cause = ", ".join(self._nodes.of(node).words(Address(0x1003, 1), decoded.code, None))
+        register = ", ".join(self._nodes.of(node).words(od.ERROR_REGISTER, decoded.register, None))
         return f"EMCY node {node}: {cause}; error register 0x{decoded.register:02X} ({register})"
 
     def time_stamp(self, _node: int, _payload: bytes) -> str:
@@ -142,14 +147,15 @@ class Canopen:
         match request:
             case sdo.UploadRequest(address):
                 self._requested[node] = address
-                return f"{head} read {called(address)}"
+                return f"{head} read {self._nodes.called(node, address)}"
             case sdo.DownloadRequest(address, raw, size):
                 self._requested[node] = address
                 if raw is None:
                     length = "" if size is None else f" of {size} bytes"
-                    return f"{head} write {called(address)}, segments{length} to come"
+                    return f"{head} write {self._nodes.called(node, address)}, segments{length} to come"
                 self._nodes.note(node, address, raw)
-                return f"{head} write {called(address)} = {self._nodes.value(node, address, raw)}"
+                written = self._nodes.value(node, address, raw)
+                return f"{head} write {self._nodes.called(node, address)} = {written}"
             case sdo.UploadSegmentRequest():
                 return f"{head} next segment of {self._object(node)}"
             case _:
@@ -163,13 +169,14 @@ class Canopen:
             case sdo.UploadResponse(address, raw, size):
                 if raw is None:
                     length = "" if size is None else f" of {size} bytes"
-                    return f"{head} {called(address)}, segments{length} to come"
-                if address == od.VENDOR_ID and int.from_bytes(raw, "little") == MAXON:
+                    return f"{head} {self._nodes.called(node, address)}, segments{length} to come"
+                vendor = int.from_bytes(raw, "little") if address == od.VENDOR_ID else 0
+                if vendor in self._by_vendor:
                     # Vendor by 0x1018:1: from now on its default mapping is known.
-                    self._maxon.add(node)
-                return f"{head} {called(address)} = {self._nodes.value(node, address, raw)}"
+                    self._nodes.is_of(node, self._by_vendor[vendor])
+                return f"{head} {self._nodes.called(node, address)} = {self._nodes.value(node, address, raw)}"
             case sdo.DownloadResponse(address):
-                return f"{head} {called(address)} written"
+                return f"{head} {self._nodes.called(node, address)} written"
             case sdo.SegmentAccepted():
                 return f"{head} segment of {self._object(node)} taken"
             case _:
@@ -195,7 +202,7 @@ class Canopen:
     def _either(self, node: int, transfer: sdo.Request | sdo.Response) -> str:
         match transfer:
             case sdo.Abort(address, code):
-                return f"abort, {called(address)}: {sdo.meaning_of(code)}"
+                return f"abort, {self._nodes.called(node, address)}: {sdo.meaning_of(code)}"
             case sdo.SdoSegment(_, raw, last):
                 end = ", the last" if last else ""
                 return f"segment of {self._object(node)}{end}: {raw.hex(' ').upper()}"
@@ -204,7 +211,7 @@ class Canopen:
 
     def _object(self, node: int) -> str:
         requested = self._requested.get(node)
-        return "an unknown object" if requested is None else called(requested)
+        return "an unknown object" if requested is None else self._nodes.called(node, requested)
 
     # PDOs
 
@@ -214,7 +221,7 @@ class Canopen:
         return f"0x{number:03X}"
 
     def _known(self, node: int, mapping: int) -> bool:
-        return self._defaults or node in self._maxon or self._nodes.mapped(node, mapping)
+        return self._defaults or self._nodes.identified(node) or self._nodes.mapped(node, mapping)
 
     def _pdo(self, number: int, payload: bytes) -> str:
         for node, title, mapping in self._nodes.candidates(number):

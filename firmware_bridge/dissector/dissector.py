@@ -3,76 +3,40 @@
 A dissector follows what goes by, as a protocol analyser does: it is given every packet of a link in order.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from types import MappingProxyType
-from typing import Final, Protocol
+from typing import Final
 
-from firmware_bridge.dissector.boards import Ar2Line, ArduinoIoLine, FirmataLine, MwLine, RosLine
 from firmware_bridge.dissector.canopen import Canopen
 from firmware_bridge.dissector.mavlink import Mavlink
-from firmware_bridge.dissector.maxon import MaxonCommands, MaxonLine
-from firmware_bridge.dissector.natnet import NatNet
-from firmware_bridge.node import CAN, MAXON, OPERATOR, SERIAL
+from firmware_bridge.dissector.protocols import Protocols, Reader
+from firmware_bridge.family import families
+from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import candump_frame
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.ar2 import Ar2Firmware, Ar2Link
-from firmware_bridge.robot.settings.capture import CaptureDriver, CaptureLink
-from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
-from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
 from firmware_bridge.units import SECOND, Nanoseconds
 
-SHOWN: Final = 16
-"""So many bytes of a packet without an identifier stand before its text."""
-
-
-class Reader(Protocol):
-    """A reader of one link's packets, one after the other."""
-
-    def read(self, sender: str, packet: Packet) -> str:
-        """Return the decoded text of a packet; every packet has one."""
-
-
-@dataclass(frozen=True, slots=True)
-class Protocols:
-    """Protocol of a kind of link: the format of its packets, and their reader."""
-
-    written: Callable[[Packet], str]
-    reader: Callable[[], Reader]
-
-
-def _bytes(packet: Packet) -> str:
-    payload = packet.payload
-    return payload[:SHOWN].hex().upper() + (f"... ({len(payload)} bytes)" if len(payload) > SHOWN else "")
-
-
-KINDS: Final[Mapping[str, Protocols]] = MappingProxyType(
-    {
-        CAN: Protocols(candump_frame, Canopen),
-        OPERATOR: Protocols(_bytes, Mavlink),
-        SERIAL: Protocols(_bytes, MaxonLine),
-        MAXON: Protocols(lambda packet: f"{packet.address:02X}#{_bytes(packet)}", MaxonCommands),
-        ShieldProtocol.MW: Protocols(_bytes, MwLine),
-        ShieldProtocol.ROS_ARDUINO_BRIDGE: Protocols(_bytes, RosLine),
-        ShieldProtocol.ARDUINOIO: Protocols(_bytes, ArduinoIoLine),
-        ShieldProtocol.FIRMATA: Protocols(_bytes, FirmataLine),
-        Ar2Firmware.AR2_2_0: Protocols(_bytes, Ar2Line),
-        CaptureDriver.NATNET: Protocols(_bytes, NatNet),
-        CaptureDriver.MAVLINK: Protocols(_bytes, Mavlink),
-    }
+COMMON: Final[Mapping[str, Protocols]] = MappingProxyType(
+    {CAN: Protocols(Canopen, candump_frame), OPERATOR: Protocols(Mavlink)}
 )
-"""The kinds of links; the protocols of boards and cameras are kinds by their names in robot files."""
+"""The kinds of links that are no family's own."""
+
+
+@cache
+def kinds() -> Mapping[str, Protocols]:
+    """Return every kind of link: CAN, the operator's, and the installed families' own."""
+    found = dict(COMMON)
+    for family in families():
+        found |= family.protocols
+    return found
 
 
 def kinds_of(robot: AnyRobot) -> dict[str, str]:
     """Return the kind of each of a robot's links, by its name, as it is on the wire."""
-    drives = {Epos2Driver.CAN: CAN, Epos2Driver.SERIAL: SERIAL}
-    return {
-        **{name: drives[link.driver] for name, link in Epos2Link.all_of(robot).items()},
-        **{name: link.protocol for name, link in (ShieldLink.all_of(robot) | Ar2Link.all_of(robot)).items()},
-        **{name: link.driver for name, link in CaptureLink.all_of(robot).items()},
-    }
+    return {name: link.kind for name, link in robot.links.items()}
 
 
 class _Unread:
@@ -83,7 +47,7 @@ class _Unread:
         return "on a link of unknown kind"
 
 
-_UNKNOWN: Final = Protocols(_bytes, _Unread)
+_UNKNOWN: Final = Protocols(_Unread)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +77,7 @@ class Dissector:
     def read(self, carried: Carried) -> str:
         """Return a carried packet as a line: when, where, who, the bytes, and what they say."""
         link, packet = carried.link, carried.packet
-        protocols = KINDS.get(self._kinds.get(link, link), _UNKNOWN)
+        protocols = kinds().get(self._kinds.get(link, link), _UNKNOWN)
         reader = self._readers.get(link)
         if reader is None:
             reader = self._readers[link] = protocols.reader()

@@ -6,39 +6,36 @@ from typing import Final
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.pdo import MAX_ENTRIES, MappingEntry
-from firmware_bridge.drivers.commissioning.names import called
-from firmware_bridge.drivers.commissioning.values import decode, unit_of
-from firmware_bridge.drivers.commissioning.words import mode_of, words
-from firmware_bridge.wire.epos2.differences import ANY_TYPE
-from firmware_bridge.wire.epos2.objects_pdo import (
-    PDOS,
+from firmware_bridge.canopen.pdo import (
+    MAX_ENTRIES,
     RECEIVE_MAPPING,
     RECEIVE_PARAMETER,
     TRANSMIT_MAPPING,
     TRANSMIT_PARAMETER,
+    MappingEntry,
 )
+from firmware_bridge.dissector.dictionary import Dictionary
 
 _SAVE: Final = Address(0x1010, 1)
-_IN_BITS: Final = frozenset({od.CONTROLWORD, od.STATUSWORD, od.ERROR_REGISTER}) | {
-    Address(index + pdo, subindex)
-    for pdo in range(PDOS)
-    for index, subindexes in (
-        (RECEIVE_PARAMETER, (1,)),
-        (TRANSMIT_PARAMETER, (1,)),
-        (RECEIVE_MAPPING, range(1, MAX_ENTRIES + 1)),
-        (TRANSMIT_MAPPING, range(1, MAX_ENTRIES + 1)),
-    )
-    for subindex in subindexes
-}
-"""Objects whose value is written in hexadecimal digits."""
+_IN_BITS: Final = frozenset({od.CONTROLWORD, od.STATUSWORD, od.ERROR_REGISTER})
+"""Objects whose value is written in hexadecimal digits, beside COB-IDs and mappings."""
+_PDO_OBJECTS: Final = range(RECEIVE_PARAMETER, TRANSMIT_MAPPING + 0x200)
+
+
+def _in_bits(address: Address) -> bool:
+    if address.index not in _PDO_OBJECTS:
+        return address in _IN_BITS
+    mapping = address.index & 0x200
+    return address.subindex in (range(1, MAX_ENTRIES + 1) if mapping else (1,))
 
 
 class Nodes:
     """The nodes of one bus."""
 
-    def __init__(self, sheet: Mapping[Address, int]) -> None:
-        """Take defaults of a data sheet, which win over those of the EPOS2."""
+    def __init__(self, dictionary: Dictionary, sheet: Mapping[Address, int]) -> None:
+        """Take the dictionary of nodes of an unknown maker; defaults of a data sheet win over it."""
+        self._unknown = dictionary
+        self._dictionaries: dict[int, Dictionary] = {}
         self._sheet = sheet
         self._written: dict[int, dict[Address, int]] = {}
         """The writes to each node, as far as they matter for reading."""
@@ -49,13 +46,29 @@ class Nodes:
         """Return the numbers of the nodes of which something is known."""
         return tuple(self._written)
 
+    def of(self, node: int) -> Dictionary:
+        """Return the dictionary by which a node is read."""
+        return self._dictionaries.get(node, self._unknown)
+
+    def called(self, node: int, address: Address) -> str:
+        """Return an object's index, sub-index and name."""
+        return self.of(node).called(address)
+
+    def is_of(self, node: int, dictionary: Dictionary) -> None:
+        """Read a node by this dictionary from now on."""
+        self._dictionaries[node] = dictionary
+
+    def identified(self, node: int) -> bool:
+        """Return whether a node's maker is known."""
+        return node in self._dictionaries
+
     def note(self, node: int, address: Address, raw: bytes) -> None:
         """Take note of what is written to a node."""
         written = self._written.setdefault(node, {})
         # 0x1010: what was written until now survives a reset (CiA 301).
         if address == _SAVE:
             self._saved[node] = dict(written)
-        row = ANY_TYPE.get(address)
+        row = self.of(node).rows.get(address)
         if row is not None and row.type.size:
             written[address] = row.type.decode(raw[: row.type.size])
 
@@ -75,23 +88,27 @@ class Nodes:
         self._written[node] = dict(self._saved.get(node, {}))
 
     def entry(self, node: int, index: int, subindex: int) -> int:
-        """Return a number in a node's dictionary: what was written, or the default of the EPOS2."""
+        """Return a number in a node's dictionary: what was written, or its default."""
         address = Address(index, subindex)
         value = self._written.get(node, {}).get(address, self._sheet.get(address))
-        default = ANY_TYPE[address].default_for(node) if value is None else value
+        if value is not None:
+            return value
+        row = self.of(node).rows.get(address)
+        default = 0 if row is None else row.default_for(node)
         return default if isinstance(default, int) else 0
 
     def value(self, node: int, address: Address, raw: bytes) -> str:
         """Return an object's value for people, with its unit and what its bits say."""
-        row = ANY_TYPE.get(address)
+        row = self.of(node).rows.get(address)
         if row is not None and 0 < row.type.size < len(raw):
             raw = raw[: row.type.size]  # a client that gives no size sends four bytes
-        value = decode(address, raw)
-        mode = mode_of(self._written.get(node, {}).get(od.MODE, 0))
-        text = words(address, value, mode)
-        in_bits = isinstance(value, int) and address in _IN_BITS
+        read = self.of(node)
+        value = read.decode(address, raw)
+        mode = read.mode_of(self._written.get(node, {}).get(od.MODE, 0))
+        text = read.words(address, value, mode)
+        in_bits = isinstance(value, int) and _in_bits(address)
         number = f"0x{value:0{2 * len(raw)}X}" if in_bits else f"{value}"
-        unit = unit_of(address)
+        unit = read.unit_of(address)
         return number + (f" {unit}" if unit else "") + (f" ({', '.join(text)})" if text else "")
 
     def candidates(self, number: int) -> Iterator[tuple[int, str, int]]:
@@ -101,7 +118,7 @@ class Nodes:
         for node in dict.fromkeys((*self._written, predefined)):
             if not node:
                 continue
-            for place in range(PDOS):
+            for place in range(self.of(node).pdos):
                 for kind, parameter, mapping in (
                     ("RPDO", RECEIVE_PARAMETER, RECEIVE_MAPPING),
                     ("TPDO", TRANSMIT_PARAMETER, TRANSMIT_MAPPING),
@@ -127,4 +144,4 @@ class Nodes:
     def fields(self, node: int, mapping: int, payload: bytes) -> list[str]:
         """Return name and value of each mapped object; none where the bytes are not those of the mapping."""
         found = self.contents(node, mapping, payload)
-        return [f"{called(address)} = {self.value(node, address, raw)}" for address, raw in found]
+        return [f"{self.called(node, address)} = {self.value(node, address, raw)}" for address, raw in found]

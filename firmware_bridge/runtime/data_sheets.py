@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.wire.epos2.differences import ANY_TYPE
+from firmware_bridge.canopen.object_row import ObjectRow
 
 _OBJECT: Final = re.compile(r"(?i)([0-9a-f]{4})(?:sub([0-9a-f]{1,2}))?")
 _NODE: Final = re.compile(r"(?i)\$nodeid\s*\+?\s*")
@@ -27,24 +27,25 @@ class SheetValues:
     node: int
 
 
-def configured(file: Path) -> SheetValues:
-    """Return each `ParameterValue` of a DCF that an EPOS2 can have; SheetError."""
-    return _read(file, "parametervalue", "no ParameterValue of an EPOS2's object is in it; is it an EDS?")
+def configured(file: Path, rows: Mapping[Address, ObjectRow]) -> SheetValues:
+    """Return each `ParameterValue` of a DCF of an object in these rows; SheetError."""
+    nothing = "no ParameterValue of an object that is known is in it; is it an EDS?"
+    return _read(file, rows, "parametervalue", nothing)
 
 
-def defaults(file: Path) -> SheetValues:
-    """Return each `DefaultValue` of an EDS, as far as an EPOS2 has the object, too; SheetError."""
-    return _read(file, "defaultvalue", "no DefaultValue of an object that is known is in it")
+def defaults(file: Path, rows: Mapping[Address, ObjectRow]) -> SheetValues:
+    """Return each `DefaultValue` of an EDS of an object in these rows; SheetError."""
+    return _read(file, rows, "defaultvalue", "no DefaultValue of an object that is known is in it")
 
 
-def _read(file: Path, key: str, nothing: str) -> SheetValues:
+def _read(file: Path, rows: Mapping[Address, ObjectRow], key: str, nothing: str) -> SheetValues:
     sections = _sections(file)
     node = _node(sections)
     found: dict[Address, int] = {}
     problems: list[str] = []
     for address, section in _objects(sections):
         text = sections[section].get(key, "").strip()
-        row = ANY_TYPE.get(address)
+        row = rows.get(address)
         if not text or row is None or not row.type.size:
             continue
         try:

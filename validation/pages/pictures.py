@@ -18,7 +18,7 @@ from emulators.bench.bench_setup import bench_setup_of
 from emulators.run import RunOrder, drive
 from firmware_bridge.cli.monitor_table import drawn
 from firmware_bridge.dissector.bus_picture import BusPicture
-from firmware_bridge.dissector.robot_mapping import can_links, expected_on
+from firmware_bridge.dissector.expected import can_links, expected_on
 from firmware_bridge.recording import parse_candump
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.epos2 import Epos2Link

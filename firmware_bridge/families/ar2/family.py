@@ -2,12 +2,14 @@
 
 from typing import Final
 
+from firmware_bridge.dissector.boards import Ar2Line
+from firmware_bridge.dissector.protocols import Protocols
 from firmware_bridge.drivers.ar2.joint import REPORTS
 from firmware_bridge.drivers.ar2.link_drivers import ar2_link_drivers
 from firmware_bridge.drivers.ar2.stops import CONFIRMED_BY, alone, stop_stages
 from firmware_bridge.family import Family
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Link
+from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Firmware, Ar2Link
 from firmware_bridge.safety.guard.ar2 import Ar2Rules
 
 
@@ -28,5 +30,6 @@ FAMILY: Final = Family(
     confirmed_by=CONFIRMED_BY,
     alone=alone,
     wire_rules=Ar2Rules,
+    protocols={Ar2Firmware.AR2_2_0: Protocols(Ar2Line)},
     shown=_shown,
 )

@@ -9,6 +9,7 @@ from firmware_bridge.drivers.epos2.serial.link_drivers import OPTIONS, serial_li
 from firmware_bridge.drivers.epos2.stops import CONFIRMED_BY, alone, stop_stages
 from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.families.epos2.check import check
+from firmware_bridge.families.epos2.reading import DICTIONARY, PROTOCOLS, expected
 from firmware_bridge.family import Family
 from firmware_bridge.node import Node
 from firmware_bridge.robot import AnyRobot
@@ -62,6 +63,9 @@ FAMILY: Final = Family(
     alone=alone,
     wire_rules=_wire_rules,
     line_end=_line_end,
+    protocols=PROTOCOLS,
+    dictionary=DICTIONARY,
+    expected=expected,
     takes=OPTIONS,
     over=with_options,
     shown=_shown,

@@ -2,11 +2,14 @@
 
 from typing import Final
 
+from firmware_bridge.dissector.mavlink import Mavlink
+from firmware_bridge.dissector.natnet import NatNet
+from firmware_bridge.dissector.protocols import Protocols
 from firmware_bridge.drivers.capture.link_drivers import capture_link_drivers
 from firmware_bridge.families.motion_capture.check import check
 from firmware_bridge.family import Family
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.capture import CaptureBody, CaptureLink
+from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver, CaptureLink
 from firmware_bridge.safety.guard.capture import CaptureRules
 
 
@@ -23,5 +26,9 @@ FAMILY: Final = Family(
     check=check,
     link_drivers=capture_link_drivers,
     wire_rules=CaptureRules,
+    protocols={
+        CaptureDriver.NATNET: Protocols(NatNet),
+        CaptureDriver.MAVLINK: Protocols(Mavlink),
+    },
     shown=_shown,
 )

@@ -2,6 +2,8 @@
 
 from typing import Final
 
+from firmware_bridge.dissector.boards import ArduinoIoLine, FirmataLine, MwLine, RosLine
+from firmware_bridge.dissector.protocols import Protocols
 from firmware_bridge.drivers.shield.link_drivers import measured, over_protocol, shield_link_drivers
 from firmware_bridge.drivers.shield.motor import reports
 from firmware_bridge.drivers.shield.plan import shield_plan
@@ -42,6 +44,12 @@ FAMILY: Final = Family(
     confirmed_by=CONFIRMED_BY,
     alone=alone,
     wire_rules=ShieldRules,
+    protocols={
+        ShieldProtocol.MW: Protocols(MwLine),
+        ShieldProtocol.ROS_ARDUINO_BRIDGE: Protocols(RosLine),
+        ShieldProtocol.ARDUINOIO: Protocols(ArduinoIoLine),
+        ShieldProtocol.FIRMATA: Protocols(FirmataLine),
+    },
     takes=frozenset({"protocol", "encoders"}),
     over=lambda robot, options: over_protocol(robot, options.protocol, options.encoders),
     drivable=measured,

@@ -8,7 +8,7 @@ from hypothesis import given
 
 from firmware_bridge.dissector import Carried, Dissector, kinds_of
 from firmware_bridge.dissector.boards import RosLine
-from firmware_bridge.dissector.dissector import KINDS
+from firmware_bridge.dissector.dissector import kinds
 from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.settings.ar2 import Ar2Firmware
@@ -151,7 +151,7 @@ def test_however_a_line_is_cut_each_command_is_reported_once_with_its_end(
 
 
 @given(
-    st.sampled_from(sorted(KINDS)),
+    st.sampled_from(sorted(kinds())),
     st.lists(
         st.tuples(st.sampled_from((REQUESTED, REPORTED)), st.integers(0, 0x1FF), st.binary(max_size=80))
     ),
@@ -182,7 +182,7 @@ def test_a_robots_links_are_read_by_what_its_file_states_of_them() -> None:
     }
     seen = kinds_of(over_protocol(find("rome+cameras"), "firmata"))
     assert seen == {"board": ShieldProtocol.FIRMATA, "cameras": CaptureDriver.NATNET}
-    assert set(seen.values()) < set(KINDS)
+    assert set(seen.values()) < set(kinds())
 
 
 @given(

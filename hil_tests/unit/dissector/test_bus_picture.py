@@ -12,8 +12,8 @@ from firmware_bridge import robot_types
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.dissector.bus_picture import BusPicture
+from firmware_bridge.dissector.expected import can_links, expected_on
 from firmware_bridge.dissector.lately import Lately
-from firmware_bridge.dissector.robot_mapping import can_links, expected_on
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import parse_candump
@@ -282,4 +282,4 @@ def test_a_data_sheet_gives_the_mapping_of_all_others() -> None:
     picture.note(0, Packet(CAN, 0x181, b"\x03"))
     ((_, title, stated, _, _),) = picture.messages()
     assert (title, stated.split(" ")[0]) == ("TPDO 1, node 1", "0x6061")
-    assert BusPicture(1_000_000, epos2=True).note(0, Packet(CAN, 0x181, b"\x40\x07"))
+    assert BusPicture(1_000_000, device="epos2").note(0, Packet(CAN, 0x181, b"\x40\x07"))

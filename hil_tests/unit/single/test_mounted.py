@@ -23,6 +23,7 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.runtime.data_sheets import SheetError, configured
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.differences import ANY_TYPE
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from hil_tests.rows import every
 from hil_tests.unit.world.players import Player
@@ -223,7 +224,7 @@ def test_a_configuration_file_is_what_the_drive_begins_with(tmp_path: Path) -> N
     values |= {Address(0x2210, 4): 1, od.STATUSWORD: 0x40, Address(0x1400, 1): 0x209}
     file = tmp_path / "drive.dcf"
     file.write_text(dcf(PROFILES["70/10"], 5, 1_000_000, values), encoding="ascii")
-    read = configured(file).values
+    read = configured(file, ANY_TYPE).values
     assert {key: read[key] for key in values if key != od.STATUSWORD} == {
         key: value for key, value in values.items() if key != od.STATUSWORD
     }
@@ -262,9 +263,9 @@ def test_what_is_no_configuration_file_is_refused_with_section_and_key(
     file = tmp_path / "drive.dcf"
     file.write_text(text, encoding="ascii")
     with pytest.raises(SheetError, match=states):
-        configured(file)
+        configured(file, ANY_TYPE)
     with pytest.raises(SheetError, match="cannot be read"):
-        configured(tmp_path / "none.dcf")
+        configured(tmp_path / "none.dcf", ANY_TYPE)
 
 
 @pytest.mark.parametrize(

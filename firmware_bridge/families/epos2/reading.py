@@ -1,0 +1,35 @@
+"""EPOS2 drives for a dissector: their objects, their set-up by a robot file, and maxon's serial protocols."""
+
+from collections.abc import Iterator
+from typing import Final
+
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.dissector.dictionary import Dictionary
+from firmware_bridge.dissector.expected import Expected
+from firmware_bridge.dissector.maxon import MaxonCommands, MaxonLine
+from firmware_bridge.dissector.protocols import Protocols, in_bytes
+from firmware_bridge.drivers.commissioning.names import called
+from firmware_bridge.drivers.commissioning.values import decode, unit_of
+from firmware_bridge.drivers.commissioning.words import mode_of, words
+from firmware_bridge.drivers.epos2.setup import MODE, configuration
+from firmware_bridge.node import MAXON, SERIAL
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
+from firmware_bridge.wire.epos2 import hardware
+from firmware_bridge.wire.epos2.differences import ANY_TYPE
+from firmware_bridge.wire.epos2.objects_pdo import PDOS
+
+DICTIONARY: Final = Dictionary(hardware.MAXON, ANY_TYPE, PDOS, called, decode, unit_of, mode_of, words)
+PROTOCOLS: Final = {
+    SERIAL: Protocols(MaxonLine),
+    MAXON: Protocols(MaxonCommands, lambda packet: f"{packet.address:02X}#{in_bytes(packet)}"),
+}
+
+
+def expected(robot: AnyRobot, link: str) -> Iterator[Expected]:
+    """Yield the drives of a link, with what the bridge writes to each."""
+    settings = Epos2Link.of_link(robot, link)
+    for axis in robot.axes_on(link):
+        rows = [(row.address, row.raw) for row in configuration(axis, settings)]
+        rows.append((od.MODE, int(MODE[axis.command]).to_bytes(1, "little", signed=True)))
+        yield Expected(Epos2Axis.of(axis).node, axis.title, tuple(rows))
