@@ -37,6 +37,7 @@ WAY_OF_A_PACKET: Final = (
     "emulators/bench/operator.py",
     "emulators/bench/orders.py",
     "emulators/bench/stick.py",
+    "emulators/canopen/*.py",
     "emulators/carried_bank.py",
     "emulators/epos2/*.py",
     "emulators/epos2/*/*.py",
@@ -78,6 +79,7 @@ INTERPRETED: Final = frozenset(
         "emulators/epos2/objects/device_profile.py",  # its annotations carry sources, read at run time
         "firmware_bridge/canopen/abort.py",  # an enumeration with a __new__ of its own
         "firmware_bridge/canopen/data_type.py",  # an enumeration with an __init__ of its own
+        "firmware_bridge/canopen/object_dictionary.py",  # a mapping, by the rules of Python's
         "firmware_bridge/canopen/object_row.py",  # a table
         "firmware_bridge/differential/geometry.py",  # its tables are pydantic's
         "firmware_bridge/motion/davis.py",  # it holds a table of the robot file, which pydantic reads

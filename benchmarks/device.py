@@ -21,7 +21,7 @@ from typing import Final
 from benchmarks import new_stations
 from benchmarks.drives import BIT_RATE, crowd, only_sync
 from benchmarks.measure import both_clocks, interleaved, processor_seconds, show
-from emulators.epos2.canopen.sdo_server import SdoServer
+from emulators.canopen.sdo_server import SdoServer
 from emulators.epos2.drive import Epos2
 from emulators.servo.axis import ServoAxis
 from emulators.single import QUADCOUNTS

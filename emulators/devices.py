@@ -10,11 +10,11 @@ from emulators.arduino_omni.ar2.board import Ar2Board
 from emulators.arduino_omni.ar2.firmwares import FIRMWARES as AR2_FIRMWARES
 from emulators.arduino_omni.board import FIRMWARES, Board
 from emulators.arduino_omni.motors import MotorLoad
+from emulators.canopen.saved_parameters import Storage
 from emulators.carried_bank import CarriedBank
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import DeviceProfile, numbered, realistic
-from emulators.epos2.objects.saved_parameters import Storage
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs

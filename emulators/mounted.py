@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.control.sensing import BRUSHLESS, WITH_INDEX
-from emulators.epos2.objects.store import ObjectStore
 from emulators.motors import Motor
 from emulators.servo.axis import ServoAxis
 from emulators.servo.motor import MOTOR, DcMotor

@@ -10,9 +10,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from emulators.canopen.saved_parameters import Volatile
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.device_profile import DeviceProfile, numbered
-from emulators.epos2.objects.saved_parameters import Volatile
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.mounted import Comparison, Mounted, Torque
 from emulators.servo.axis import ServoAxis

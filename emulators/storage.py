@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
-from emulators.epos2.objects.saved_parameters import Storage, StorageError
+from emulators.canopen.saved_parameters import Storage, StorageError
 from firmware_bridge.canopen.address import Address
 
 FORMAT: Final = "EPOS2 parameters 1"

@@ -188,8 +188,8 @@ DEFAULT_BIT_RATE: Final = 1_000_000
 
 def run(given: DrivesOptions) -> None:
     """Run the command `emulate epos2`; an error ends the program with a message."""
+    from emulators.canopen.saved_parameters import StorageError
     from emulators.cli.watched import RollCalled, duplicates_reported
-    from emulators.epos2.objects.saved_parameters import StorageError
     from emulators.epos2.serial.serial_drive import baud_of
     from emulators.gateway import Cluster
     from emulators.servo.bank import ServoError
@@ -357,7 +357,7 @@ def _load(text: str, *, named: bool) -> "ShaftLoad":
 
 
 def _commissioned(file: Path) -> "Mapping[Address, int]":
-    from emulators.epos2.objects.saved_parameters import is_parameter
+    from emulators.epos2.objects.parameters import is_parameter
     from firmware_bridge.runtime.data_sheets import SheetError, configured
     from firmware_bridge.wire.epos2.differences import ANY_TYPE
 

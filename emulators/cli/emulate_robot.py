@@ -28,7 +28,7 @@ from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from emulators.epos2.objects.saved_parameters import Storage
+    from emulators.canopen.saved_parameters import Storage
     from firmware_bridge.cli.links import Openers
     from firmware_bridge.cli.places import BusAddress
     from firmware_bridge.robot import AnyRobot, Axis
@@ -185,12 +185,12 @@ def _spoken(machine: "AnyRobot", name: str) -> str:
 
 def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
     """Put a robot's drives on a bus, a serial line, or both."""
+    from emulators.canopen.saved_parameters import StorageError
     from emulators.captured import TRUTH
     from emulators.cli.beginning import report_beginning
     from emulators.cli.cameras import cameras_of
     from emulators.cli.watched import RollCalled, duplicates_reported
     from emulators.devices import devices
-    from emulators.epos2.objects.saved_parameters import StorageError
     from emulators.epos2.serial.serial_drive import baud_of
     from emulators.gateway import Cluster
     from emulators.servo.bank import ServoError
@@ -253,7 +253,7 @@ def _generation(spoken: str | None) -> "Generation | None":
 
 def _storage(axis: "Axis", given: RobotOptions) -> "Storage":
     """Return where a drive finds its parameters at power-on: saved, the robot file's or the factory's."""
-    from emulators.epos2.objects.saved_parameters import Volatile
+    from emulators.canopen.saved_parameters import Volatile
     from emulators.storage import Commissioned, ParameterFile
     from firmware_bridge.drivers.epos2.setup import commissioned
 

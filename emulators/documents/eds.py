@@ -12,7 +12,7 @@ from typing import Final
 
 from emulators.documents.object_table import ObjectEntry, entries
 from emulators.epos2.objects.device_profile import BIT_RATES, SERIAL_NUMBER_64, DeviceProfile
-from emulators.epos2.objects.saved_parameters import is_parameter
+from emulators.epos2.objects.parameters import is_parameter
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import COB_ID_MASK

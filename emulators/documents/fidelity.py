@@ -19,7 +19,6 @@ from emulators.epos2.objects.choices import CHOICES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.canopen.object_row import Provenance
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
-from firmware_bridge.wire.epos2.objects import OBJECTS
 
 ORDER: Final = tuple(Provenance)
 _FIGURES: Final = (
@@ -31,7 +30,7 @@ _FIGURES: Final = (
     "supply_v",
 )
 _ROOT: Final = Path(emulators.__file__).parent
-_MODULES: Final = ("epos2", "servo", "wires")
+_MODULES: Final = ("canopen", "epos2", "servo", "wires")
 _ASSUMPTION: Final = re.compile(
     r"""(?:(?P<before>[^."()]{3,}[.:;]?)\s*\(?)?\b[Aa]ssumed: (?P<what>.+?)"""
     r"""(?:\.(?=\s|$|"|\))|\)(?=[.;:, ]|$)|\"{3})"""
@@ -64,7 +63,7 @@ def counted() -> dict[str, Counter[Provenance]]:
 
 
 def _objects() -> Iterator[LedgerLine]:
-    for row in OBJECTS.values():
+    for row in EPOS2_70_10.objects.values():
         yield LedgerLine("objects", f"{row.address} {row.name}", row.provenance, row.source)
 
 
@@ -77,7 +76,7 @@ def _defaults() -> Iterator[LedgerLine]:
 
 def _rules() -> Iterator[LedgerLine]:
     for rule in VALUE_RANGES:
-        what = f"{rule.address} {OBJECTS[rule.address].name} takes only {_span(rule.allowed)}"
+        what = f"{rule.address} {EPOS2_70_10.objects[rule.address].name} takes only {_span(rule.allowed)}"
         yield LedgerLine("refused values", what, rule.provenance, rule.source)
 
 

@@ -15,7 +15,7 @@ from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.runtime.ports import Port
 from firmware_bridge.runtime.runner import run
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.differences import objects_of
 
 TIMEOUT: Final[Nanoseconds] = 500 * MILLISECOND
 
@@ -31,7 +31,7 @@ def read_all(port: Port, node: int) -> dict[Address, int | bytes]:
     """
     rows = {
         address: row.type
-        for address, row in OBJECTS.items()
+        for address, row in objects_of().items()
         if row.access.readable and row.type is not DataType.DOMAIN
     }
     reading = Reading(tuple(rows))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from emulators.epos2.objects.device_profile import DeviceProfile
-from emulators.epos2.objects.saved_parameters import is_parameter
+from emulators.epos2.objects.parameters import is_parameter
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.object_row import ObjectRow
 

@@ -12,9 +12,9 @@ SYNC: Final = 0x080
 EMERGENCY: Final = 0x080
 TIME_STAMP: Final = 0x100
 TRANSMIT_PDO: Final = (0x180, 0x280, 0x380, 0x480)
-"""First identifiers of the drive's transmit PDOs 1 to 4."""
+"""First identifiers of the device's transmit PDOs 1 to 4."""
 RECEIVE_PDO: Final = (0x200, 0x300, 0x400, 0x500)
-"""First identifiers of the drive's receive PDOs 1 to 4."""
+"""First identifiers of the device's receive PDOs 1 to 4."""
 SDO_RESPONSE: Final = 0x580
 """Server to client."""
 SDO_REQUEST: Final = 0x600
@@ -39,7 +39,7 @@ COB_ID_MASK: Final = 0x7FF
 TOGGLE: Final = 0x80
 """In a node guarding answer: changes each time."""
 EMERGENCY_EXTRA: Final = 5
-"""Size in bytes of an emergency message's manufacturer part; the EPOS2 leaves it 0."""
+"""Size in bytes of an emergency message's manufacturer part."""
 _NMT_LENGTH: Final = 2
 _EMERGENCY_HEAD: Final = 3
 

@@ -1,10 +1,10 @@
-"""CiA 402 as the EPOS2 speaks it: states with their statusword patterns, controlword commands, modes.
+"""CiA 402: power states with their statusword patterns, controlword commands, modes.
 
-Sources: EPOS Firmware Specification, sections on the state machine and the controlword (by analogy for the
-EPOS2), names as in maxon's command library.
+Source: CiA 402-2, state machine, Controlword and Statusword. A product has its own table of states where its
+patterns are others, or its states more.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
 from types import MappingProxyType
@@ -12,36 +12,76 @@ from typing import Final
 
 
 class PowerState(Enum):
-    """A state and its statusword with the bits that identify it: 14, 8 and 6 to 0."""
+    """States of CiA 402, and those that a product has between them."""
 
-    START = 0x0000
-    NOT_READY_TO_SWITCH_ON = 0x0100
-    SWITCH_ON_DISABLED = 0x0140
-    READY_TO_SWITCH_ON = 0x0121
-    SWITCHED_ON = 0x0123
-    REFRESH = 0x4123
-    MEASURE_INIT = 0x4133
-    OPERATION_ENABLED = 0x0137
-    QUICK_STOP_ACTIVE = 0x0117
-    FAULT_REACTION_DISABLED = 0x010F
-    FAULT_REACTION_ENABLED = 0x011F
-    FAULT = 0x0108
+    START = "start"
+    """It has no pattern in the standard: a device there does not communicate yet."""
+    NOT_READY_TO_SWITCH_ON = "not ready to switch on"
+    SWITCH_ON_DISABLED = "switch on disabled"
+    READY_TO_SWITCH_ON = "ready to switch on"
+    SWITCHED_ON = "switched on"
+    REFRESH = "refresh"
+    """A product's: the power stage is prepared."""
+    MEASURE_INIT = "measure init"
+    """A product's: the initial measurement is under way."""
+    OPERATION_ENABLED = "operation enabled"
+    QUICK_STOP_ACTIVE = "quick stop active"
+    FAULT_REACTION_DISABLED = "fault reaction disabled"
+    """A product's: Fault reaction active, entered without power."""
+    FAULT_REACTION_ENABLED = "fault reaction enabled"
+    """Fault reaction active in the standard, from whatever state it is entered."""
+    FAULT = "fault"
 
     @property
     def title(self) -> str:
         """The state as text."""
-        return self.name.lower().replace("_", " ")
+        return self.value
 
 
-STATE_BITS: Final = 0x417F
-"""The Statusword bits of the state; 9 to 13 and 15 have other meanings, 7 none."""
+@dataclass(frozen=True, slots=True)
+class StatePattern:
+    """Statusword bits that are as in `value` where `mask` is set."""
 
-_STATE_BY_PATTERN: Final = {state.value: state for state in PowerState}
+    state: PowerState
+    mask: int
+    value: int
 
 
-def state_of(statusword: int) -> PowerState | None:
-    """Return the state in a Statusword; None for a pattern that is no state."""
-    return _STATE_BY_PATTERN.get(statusword & STATE_BITS)
+class StateTable:
+    """The states that a Statusword can show."""
+
+    def __init__(self, rows: Sequence[StatePattern]) -> None:
+        """Take the patterns, of which no two fit the same Statusword."""
+        self.words: Final[Mapping[PowerState, int]] = {row.state: row.value for row in rows}
+        """The Statusword of each state, without any other bit."""
+        by_mask: dict[int, dict[int, PowerState]] = {}
+        for row in rows:
+            by_mask.setdefault(row.mask, {})[row.value] = row.state
+        self._by_mask: Final = tuple(by_mask.items())
+
+    def state_of(self, statusword: int) -> PowerState | None:
+        """Return the state in a Statusword; None for a pattern that is no state."""
+        for mask, states in self._by_mask:
+            state = states.get(statusword & mask)
+            if state is not None:
+                return state
+        return None
+
+
+STATES: Final = StateTable(
+    (
+        # Bit 5, quick stop, does not count where the mask is 0x4F; bit 4, voltage enabled, never does.
+        StatePattern(PowerState.NOT_READY_TO_SWITCH_ON, 0x4F, 0x00),
+        StatePattern(PowerState.SWITCH_ON_DISABLED, 0x4F, 0x40),
+        StatePattern(PowerState.READY_TO_SWITCH_ON, 0x6F, 0x21),
+        StatePattern(PowerState.SWITCHED_ON, 0x6F, 0x23),
+        StatePattern(PowerState.OPERATION_ENABLED, 0x6F, 0x27),
+        StatePattern(PowerState.QUICK_STOP_ACTIVE, 0x6F, 0x07),
+        StatePattern(PowerState.FAULT_REACTION_ENABLED, 0x4F, 0x0F),
+        StatePattern(PowerState.FAULT, 0x4F, 0x08),
+    )
+)
+"""The states of the standard."""
 
 
 class Status(IntFlag):

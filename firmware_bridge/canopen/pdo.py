@@ -1,6 +1,6 @@
 """PDO contents: the mapping entry's 32 bits, and values packed side by side.
 
-The objects that may be mapped are in the object table.
+The objects that may be mapped are in the object dictionary.
 """
 
 import struct
@@ -14,7 +14,9 @@ RECEIVE_PARAMETER: Final = 0x1400
 RECEIVE_MAPPING: Final = 0x1600
 TRANSMIT_PARAMETER: Final = 0x1800
 TRANSMIT_MAPPING: Final = 0x1A00
-"""Indices of the first PDO of each direction (CiA 301)."""
+"""First indexes of the PDOs' objects; one of each for every PDO."""
+MOST_PDOS: Final = 512
+"""Of each direction."""
 MAX_ENTRIES: Final = 8
 MAX_BITS: Final = 64
 

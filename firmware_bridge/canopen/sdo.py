@@ -1,7 +1,7 @@
 """SDO frames, both directions: expedited and segmented transfers.
 
 Source: CiA 301 v4.02, service data object. No object is known here, and no transfer's state is kept:
-`emulators.epos2.canopen.sdo_server` and the bridge's client keep it.
+`emulators.canopen.sdo_server` and the bridge's client keep it.
 """
 
 from collections.abc import Callable, Mapping

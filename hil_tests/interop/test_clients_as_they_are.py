@@ -25,7 +25,7 @@ from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.differences import objects_of
 from firmware_bridge.wire.maxon.frame import Generation
 from firmware_bridge.wire.maxon.messages import Done, ObjectRead, ReadObject, SendNmtService, WriteObject
 from hil_tests.interop.virtual_master import Master
@@ -97,7 +97,7 @@ class Bench(Master):
         store = self.drive.store
         return {
             row.address: row.type.decode(raw) if row.type.size else raw
-            for row in OBJECTS.values()
+            for row in objects_of().values()
             if row.access.readable and row.type is not DataType.DOMAIN
             for raw in (store.read(row.address),)
         }
@@ -152,7 +152,7 @@ def test_a_client_that_loads_our_configuration_file(bench: Bench, tmp_path: Path
         differing = {
             str(address): (value, other.values()[address])
             for address, value in bench.values().items()
-            if OBJECTS[address].access.writable
+            if objects_of()[address].access.writable
             and address != od.CONTROLWORD
             and other.values()[address] != value
         }

@@ -8,6 +8,7 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import SECOND
+from firmware_bridge.wire.epos2.power_states import STATUSWORDS
 from hil_tests.safety.guard_bench import (
     LINK,
     Bench,
@@ -38,7 +39,7 @@ REPORTS: Final = (status, sample, status_read)
 @pytest.mark.parametrize("report", REPORTS)
 @pytest.mark.parametrize("state", PowerState)
 def test_power_is_what_the_newest_statusword_states(bench: Bench, state: PowerState, report: type) -> None:
-    bench.receives(report(1, state.value | 0x8200))
+    bench.receives(report(1, STATUSWORDS[state] | 0x8200))
     powered = state in POWERED
     assert (bench.states(ENDS_WATCH) == (ENDS_WATCH,)) is not powered
     assert bench.refuses(UNLISTED)[1] == ((wheel(1, 0x000B, 0),) if powered else ())
@@ -112,7 +113,7 @@ def test_a_drive_that_stopped_by_itself_is_not_put_on_again(
     bench: Bench, state: PowerState, report: type
 ) -> None:
     bench.states(wheel(1, 0x000F, 500), position(3, 0x003F, 70))
-    bench.receives(report(1, state.value), report(3, state.value))
+    bench.receives(report(1, STATUSWORDS[state]), report(3, STATUSWORDS[state]))
     assert bench.refuses(wheel(1, 0x000F, 9999))[1] == (wheel(1, 0x000B, 0),)
     assert bench.refuses(position(3, 0x003F, 2**30))[1] == (position(3, 0x000B, 70),)
 

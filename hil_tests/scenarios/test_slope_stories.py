@@ -8,10 +8,11 @@ import pytest
 from emulators.robots.rars import RarsStep as Step
 from firmware_bridge.bridge import Phase
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.canopen.cia402 import PowerState, state_of
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
+from firmware_bridge.wire.epos2.power_states import state_of
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
 
 RARS: Final[AnyRobot] = find("rars")

@@ -18,9 +18,10 @@ from firmware_bridge.canopen.cia301 import (
     encode_nmt,
 )
 from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen.emergency import FaultReaction
 from firmware_bridge.canopen.pdo import Layout, MappingEntry
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.emergency import EMERGENCIES, FaultReaction
+from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 
 
 @pytest.mark.parametrize(

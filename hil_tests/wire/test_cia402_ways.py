@@ -5,6 +5,7 @@ import pytest
 from firmware_bridge.canopen.cia402 import (
     FAULT_RESET_WORDS,
     PASSING,
+    STATES,
     TOWARDS,
     ControlwordBit,
     ControlwordCommand,
@@ -13,6 +14,7 @@ from firmware_bridge.canopen.cia402 import (
     towards,
     word_of,
 )
+from firmware_bridge.wire.epos2.power_states import STATUSWORDS
 
 S = PowerState
 # Where each command leads at last, once the states that end by themselves have ended, or None where it does
@@ -104,3 +106,30 @@ def test_a_fault_is_reset_by_a_rising_edge() -> None:
     before, after = FAULT_RESET_WORDS
     assert after & ~before & ControlwordBit.FAULT_RESET
     assert command_of(before) is ControlwordCommand.DISABLE_VOLTAGE
+
+
+@pytest.mark.parametrize(
+    "statusword", [0x0000, 0x0240, 0x0260, 0x0631, 0x1233, 0x1637, 0x0217, 0x020F, 0x0228]
+)
+def test_each_pattern_of_the_standard_is_one_state_whatever_the_other_bits(statusword: int) -> None:
+    state = STATES.state_of(statusword)
+    assert state is not None
+    assert STATES.words[state] & 0x4F == statusword & 0x4F
+
+
+@pytest.mark.parametrize("statusword", [0x0067, 0x002B, 0x0001, 0x0003])
+def test_other_patterns_are_no_state(statusword: int) -> None:
+    assert STATES.state_of(statusword) is None
+
+
+OTHERWISE = {
+    S.START: S.NOT_READY_TO_SWITCH_ON,
+    S.REFRESH: S.SWITCHED_ON,
+    S.MEASURE_INIT: S.SWITCHED_ON,
+    S.FAULT_REACTION_DISABLED: S.FAULT_REACTION_ENABLED,
+}
+
+
+@pytest.mark.parametrize("state", STATUSWORDS)
+def test_a_client_of_the_standard_reads_the_states_of_an_epos2(state: PowerState) -> None:
+    assert STATES.state_of(STATUSWORDS[state]) is OTHERWISE.get(state, state)

@@ -9,19 +9,19 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import Access, DataType
 from firmware_bridge.canopen.object_row import ObjectRow, Provenance
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.objects import INDEXES, OBJECTS
+from firmware_bridge.wire.epos2.differences import objects_of
 from hil_tests.rows import every
 
-ROWS = every("row", OBJECTS.values(), ids=lambda row: row.address)
+ROWS = every("row", objects_of().values(), ids=lambda row: row.address)
 
 
 def test_the_table_has_the_objects_of_the_eds() -> None:
-    assert len(INDEXES) == 156
-    assert len(OBJECTS) == 430
+    assert len(objects_of().indexes) == 156
+    assert len(objects_of()) == 430
 
 
 def test_the_table_has_the_types_of_the_eds() -> None:
-    assert Counter(row.type for row in OBJECTS.values()) == {
+    assert Counter(row.type for row in objects_of().values()) == {
         DataType.UNSIGNED8: 87,
         DataType.UNSIGNED16: 125,
         DataType.UNSIGNED32: 140,
@@ -35,7 +35,7 @@ def test_the_table_has_the_types_of_the_eds() -> None:
 
 
 def test_the_table_has_the_access_of_the_eds() -> None:
-    assert Counter(row.access for row in OBJECTS.values()) == {
+    assert Counter(row.access for row in objects_of().values()) == {
         Access.RO: 141,
         Access.RW: 231,
         Access.RWW: 38,
@@ -46,16 +46,16 @@ def test_the_table_has_the_access_of_the_eds() -> None:
 
 @pytest.mark.parametrize("index", [0x605A, 0x605D, 0x6071, 0x6077, 0x60FD, 0x60FE, 0x60C1, 0x1006, 0x1019])
 def test_objects_of_other_drives_do_not_exist(index: int) -> None:
-    assert index not in INDEXES
+    assert index not in objects_of().indexes
 
 
 def test_the_velocity_gains_have_a_gap() -> None:
-    assert [address.subindex for address in OBJECTS if address.index == 0x60F9] == [0, 1, 2, 4, 5]
+    assert [address.subindex for address in objects_of() if address.index == 0x60F9] == [0, 1, 2, 4, 5]
 
 
 def test_every_named_address_is_an_object() -> None:
     named = {name: value for name, value in vars(at).items() if isinstance(value, Address)}
-    assert {name for name, value in named.items() if value not in OBJECTS} == set()
+    assert {name for name, value in named.items() if value not in objects_of()} == set()
 
 
 @ROWS
@@ -109,7 +109,7 @@ def test_a_row_states_how_far_its_default_is_known(row: ObjectRow) -> None:
     ],
 )
 def test_defaults_are_those_of_the_eds_and_the_real_drive(address: Address, default: int) -> None:
-    assert OBJECTS[address].default_for(1) == default
+    assert objects_of()[address].default_for(1) == default
 
 
 @pytest.mark.parametrize(
@@ -124,5 +124,5 @@ def test_defaults_are_those_of_the_eds_and_the_real_drive(address: Address, defa
 def test_which_pdo_carries_an_object_follows_its_access(
     address: Address, *, transmit: bool, receive: bool
 ) -> None:
-    assert OBJECTS[address].transmittable is transmit
-    assert OBJECTS[address].receivable is receive
+    assert objects_of()[address].transmittable is transmit
+    assert objects_of()[address].receivable is receive

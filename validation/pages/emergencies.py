@@ -6,9 +6,11 @@ Computed from the tables that the emulation works with.
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from emulators.epos2.control.power_states import TRANSITIONS, Happening
+from emulators.canopen.power_states import Happening
+from emulators.epos2.control.power_states import TRANSITIONS
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.wire.epos2.emergency import EMERGENCIES, Emergency, FaultReaction, Recovery
+from firmware_bridge.canopen.emergency import Emergency, FaultReaction, Recovery
+from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 
 HEADINGS: Final = (
     "code",

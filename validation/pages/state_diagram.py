@@ -2,14 +2,10 @@
 
 from typing import Final
 
-from emulators.epos2.control.power_states import (
-    TRANSITIONS,
-    Happening,
-    PowerStageEffect,
-    RampOption,
-    Transition,
-)
+from emulators.canopen.power_states import Happening, PowerStageEffect, RampOption, Transition
+from emulators.epos2.control.power_states import TRANSITIONS
 from firmware_bridge.canopen.cia402 import ControlwordCommand, PowerState
+from firmware_bridge.wire.epos2.power_states import STATUSWORDS
 
 HEADINGS: Final = ("no.", "from", "on", "to", "power stage", "slow-down requested by")
 _FAULT: Final = 13
@@ -43,7 +39,8 @@ def diagram() -> str:
     """
     before = {row.source: None for row in TRANSITIONS if row.number == _FAULT}
     lines = ["stateDiagram-v2", "    direction TB"]
-    lines += [f'    state "{title(state)}<br/>0x{state.value:04X}" as {state.name}' for state in PowerState]
+    for state, word in STATUSWORDS.items():
+        lines.append(f'    state "{title(state)}<br/>0x{word:04X}" as {state.name}')
     lines += ["    [*] --> START : 19 node reset", "    state not_enabled {"]
     lines += [f"        {state.name}" for state in before]
     lines += ["    }", f"    not_enabled --> {PowerState.FAULT_REACTION_DISABLED.name} : {_FAULT} fault"]

@@ -7,7 +7,7 @@ correction moves the time stamps and leaves a path that runs as it is.
 
 from typing import Final
 
-from emulators.epos2.objects.store import ObjectStore
+from emulators.canopen.object_store import ObjectStore
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.units import MICROSECOND, Nanoseconds
 

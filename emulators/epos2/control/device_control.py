@@ -7,17 +7,19 @@ and brake is `power_sequence`'s.
 from collections.abc import Callable
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
+from emulators.canopen.option_codes import DECELERATIONS, ErrorReaction
+from emulators.canopen.power_states import Happening
 from emulators.epos2.control import enable_checks, supervision
 from emulators.epos2.control.power_sequence import PowerSequence
-from emulators.epos2.control.power_states import TIMED, Happening
+from emulators.epos2.control.power_states import TIMED
 from emulators.epos2.control.standing_errors import StandingErrors
-from emulators.epos2.control.supervision import WATCHED, ErrorReaction
+from emulators.epos2.control.supervision import WATCHED
 from emulators.epos2.io.drive_pins import Pins
 from emulators.epos2.modes.mode_selector import ModeSelector
-from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen.cia402 import ControlwordBit, ControlwordCommand, PowerState, command_of
-from firmware_bridge.wire.epos2 import emergency
+from firmware_bridge.canopen.emergency import NO_ERROR
 
 # The controlword's bits as plain numbers: flags are slow, and every frame is looked at.
 _FAULT_RESET: Final = int(ControlwordBit.FAULT_RESET)
@@ -174,7 +176,7 @@ class DeviceControl:
         self._modes.mode.fail()
         # A controlword that has waited for a ramp must not enable the drive again after the fault.
         self._delayed = None
-        self._power.fault(supervision.DECELERATIONS.get(reaction))
+        self._power.fault(DECELERATIONS.get(reaction))
         self._advance()
 
     def _heed(self) -> None:
@@ -201,4 +203,4 @@ class DeviceControl:
         if self.errors.curable:
             self.errors.clear()
             self._power.go(Happening.FAULT_RESET)
-            self._report(emergency.NO_ERROR)
+            self._report(NO_ERROR)

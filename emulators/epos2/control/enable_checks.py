@@ -9,8 +9,8 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.control.sensing import CONTROLLER_STRUCTURE
-from emulators.epos2.objects.store import ObjectStore
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency

@@ -7,11 +7,13 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
+from emulators.canopen.option_codes import ABORT_CONNECTION
 from emulators.epos2.control.device_control import DeviceControl
 from emulators.epos2.control.power_sequence import PowerSequence
 from emulators.epos2.control.power_states import Delays
 from emulators.epos2.control.sensing import Sensing
-from emulators.epos2.control.supervision import ABORT_OPTIONS, NOT_CARRIED_OUT, SETPOINTS_IN_A_MILLISECOND
+from emulators.epos2.control.supervision import NOT_CARRIED_OUT, SETPOINTS_IN_A_MILLISECOND
 from emulators.epos2.io.data_recorder import DataRecorder
 from emulators.epos2.io.drive_pins import Pins
 from emulators.epos2.modes.mode_selector import HEEDED, MODES, ModeSelector
@@ -21,13 +23,13 @@ from emulators.epos2.objects.axis_parameters import (
     PARAMETERS,
     AxisParameter,
 )
-from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import CURRENT_LIMITED, ServoAxis
 from emulators.servo.scaling import Settings, configure
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState, Status
+from firmware_bridge.canopen.emergency import NO_ERROR
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.epos2 import emergency
 
@@ -90,7 +92,7 @@ class MotionControl:
     def connection_lost(self) -> None:
         """Report a failure of heartbeat or guarding, and react by 0x6007."""
         option = self._store.get(od.ABORT_CONNECTION_OPTION)
-        self._control.fail(emergency.CONNECTION_LOST, ABORT_OPTIONS.get(option))
+        self._control.fail(emergency.CONNECTION_LOST, ABORT_CONNECTION.get(option))
         self._publish()
 
     def communication_fault(self, code: int) -> None:
@@ -129,7 +131,7 @@ class MotionControl:
         self._publish()
 
     def _report(self, code: int) -> None:
-        if code != emergency.NO_ERROR:
+        if code != NO_ERROR:
             self._recorder.error()
         self._report_to(code)
 

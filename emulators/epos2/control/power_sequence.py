@@ -6,20 +6,12 @@ errors stand, and objects other than the option codes and decelerations that its
 
 from typing import Final
 
-from emulators.epos2.control import supervision
-from emulators.epos2.control.power_states import (
-    LEAVING,
-    TIMED,
-    Delays,
-    Happening,
-    PowerStageEffect,
-    RampOption,
-    Transition,
-    Trigger,
-)
+from emulators.canopen.object_store import ObjectStore
+from emulators.canopen.option_codes import RAMP_OPTIONS
+from emulators.canopen.power_states import Happening, PowerStageEffect, RampOption, Transition, Trigger
+from emulators.epos2.control.power_states import LEAVING, TIMED, Delays
 from emulators.epos2.io.drive_pins import Pins
 from emulators.epos2.modes.mode_selector import ModeSelector
-from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.sensors import align
 from firmware_bridge.canopen import objects as od
@@ -27,6 +19,7 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import ControlwordCommand, PowerState
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.epos2.functions import OutputFunction
+from firmware_bridge.wire.epos2.power_states import STATUSWORDS
 
 _FAULTS: Final = frozenset(
     {PowerState.FAULT, PowerState.FAULT_REACTION_ENABLED, PowerState.FAULT_REACTION_DISABLED}
@@ -46,7 +39,7 @@ class PowerSequence:
         self._modes = modes
         self._delays = delays
         self.state = PowerState.START
-        self.word = PowerState.START.value
+        self.word = STATUSWORDS[PowerState.START]
         """The state's bits of the statusword."""
         self.controlword = 0
         """The latest one; a halt in it counts once the drive is enabled."""
@@ -144,7 +137,7 @@ class PowerSequence:
         return self._modes.shaft.stopped and self._brake.closes()
 
     def _slows_down(self, ramp: RampOption) -> bool:
-        return ramp is not RampOption.NONE and self._store.get(supervision.RAMP_OPTIONS[ramp]) == 1
+        return ramp is not RampOption.NONE and self._store.get(RAMP_OPTIONS[ramp]) == 1
 
     def _complete(self, row: Transition) -> None:
         self._completing = None
@@ -162,7 +155,7 @@ class PowerSequence:
         self._enter(row.target)
 
     def _enter(self, state: PowerState) -> None:
-        self.state, self.word, self._ways_out = state, state.value, LEAVING[state]
+        self.state, self.word, self._ways_out = state, STATUSWORDS[state], LEAVING[state]
         self._outputs.show(OutputFunction.READY, active=state not in _FAULTS)
         self._due = NEVER
         if state in TIMED:

@@ -1,4 +1,4 @@
-"""The power states of CiA 402 as one table: where each may go, on what, and what happens to the power stage.
+"""The EPOS2's power states: transitions as differences from CiA 402's; states that end by themselves.
 
 Source: EPOS Firmware Specification, state transitions (by analogy for the EPOS2), numbered as there, with
 maxon's own states Refresh and Measure init.
@@ -6,116 +6,66 @@ maxon's own states Refresh and Measure init.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import Enum
 from types import MappingProxyType
-from typing import Final, TypeAlias
+from typing import Final
 
+from emulators.canopen.power_states import (
+    Happening,
+    PowerStageEffect,
+    Transition,
+    Trigger,
+    leaving,
+    of_product,
+)
 from firmware_bridge.canopen.cia402 import ControlwordCommand, PowerState
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
-
-class Happening(Enum):
-    """Events that change the drive's state beside the controlword's commands."""
-
-    STARTED = "firmware started"
-    OFFSET_MEASURED = "current offset measured"
-    REFRESHED = "power stage refreshed"
-    MEASURED = "initial measurement finished"
-    FAULT = "fault"
-    REACTED = "fault reaction finished"
-    FAULT_RESET = "fault reset, cause gone"
-
-
-class PowerStageEffect(Enum):
-    """Effect of a transition on the power stage."""
-
-    KEEP = "as it was"
-    ON = "on"
-    OFF = "off"
-
-
-class RampOption(Enum):
-    """The option code that may ask for a slow-down before the transition is completed."""
-
-    NONE = "none"
-    SHUTDOWN = "0x605B"
-    DISABLE = "0x605C"
-
-
-Trigger: TypeAlias = ControlwordCommand | Happening
-
-
-@dataclass(frozen=True, slots=True)
-class Transition:
-    """One row: number in the specification, from, on, to."""
-
-    number: int
-    source: PowerState
-    trigger: Trigger
-    target: PowerState
-    stage: PowerStageEffect = PowerStageEffect.KEEP
-    ramp: RampOption = RampOption.NONE
-    goes_on: bool = False
-    """The same command counts once more in the new state: switch on with bit 3 does 3, then 4."""
-
-
-_DISABLE = ControlwordCommand.DISABLE_VOLTAGE
-_QUICK = ControlwordCommand.QUICK_STOP
-_SHUTDOWN = ControlwordCommand.SHUTDOWN
-_SWITCH_ON = ControlwordCommand.DISABLE_OPERATION
 _ENABLE = ControlwordCommand.ENABLE_OPERATION
 _OFF = PowerStageEffect.OFF
 
-TRANSITIONS: Final = (
-    Transition(0, PowerState.START, Happening.STARTED, PowerState.NOT_READY_TO_SWITCH_ON, _OFF),
+_ABSENT: Final[frozenset[tuple[int, Trigger]]] = frozenset(
+    {
+        (1, Happening.INITIALIZED),
+        (4, _ENABLE),
+        # The EPOS2 has no 0x605A: no row leaves Quick stop active by itself.
+        (12, Happening.STOPPED),
+        # It has two fault reactions: 13 and 14 without power, 17 and 18 with it.
+        (13, Happening.FAULT),
+        (14, Happening.REACTED),
+    }
+)
+_WITHOUT_POWER: Final = (
+    PowerState.START,
+    PowerState.NOT_READY_TO_SWITCH_ON,
+    PowerState.SWITCH_ON_DISABLED,
+    PowerState.READY_TO_SWITCH_ON,
+    PowerState.SWITCHED_ON,
+    PowerState.REFRESH,
+    PowerState.MEASURE_INIT,
+)
+_OWN: Final = (
     Transition(
         1, PowerState.NOT_READY_TO_SWITCH_ON, Happening.OFFSET_MEASURED, PowerState.SWITCH_ON_DISABLED
     ),
-    Transition(2, PowerState.SWITCH_ON_DISABLED, _SHUTDOWN, PowerState.READY_TO_SWITCH_ON),
-    Transition(3, PowerState.READY_TO_SWITCH_ON, _SWITCH_ON, PowerState.SWITCHED_ON),
-    # 0x000F does 3 and then 4; maxon's library never sends 0x0007 on its way up.
-    Transition(3, PowerState.READY_TO_SWITCH_ON, _ENABLE, PowerState.SWITCHED_ON, goes_on=True),
-    # maxon's own: 4 leads to Refresh, and only 20 and 21 to Operation enabled.
+    # 4 leads to Refresh, and only 20 and 21 to Operation enabled.
     Transition(4, PowerState.SWITCHED_ON, _ENABLE, PowerState.REFRESH),
-    Transition(5, PowerState.OPERATION_ENABLED, _SWITCH_ON, PowerState.SWITCHED_ON, _OFF, RampOption.DISABLE),
-    Transition(6, PowerState.SWITCHED_ON, _SHUTDOWN, PowerState.READY_TO_SWITCH_ON),
-    # Without power there is nothing to ramp: in 7 and 10 a quick stop acts as disable voltage.
-    Transition(7, PowerState.READY_TO_SWITCH_ON, _QUICK, PowerState.SWITCH_ON_DISABLED),
-    Transition(7, PowerState.READY_TO_SWITCH_ON, _DISABLE, PowerState.SWITCH_ON_DISABLED),
-    Transition(
-        8, PowerState.OPERATION_ENABLED, _SHUTDOWN, PowerState.READY_TO_SWITCH_ON, _OFF, RampOption.SHUTDOWN
-    ),
-    Transition(9, PowerState.OPERATION_ENABLED, _DISABLE, PowerState.SWITCH_ON_DISABLED, _OFF),
-    Transition(10, PowerState.SWITCHED_ON, _QUICK, PowerState.SWITCH_ON_DISABLED),
-    Transition(10, PowerState.SWITCHED_ON, _DISABLE, PowerState.SWITCH_ON_DISABLED),
-    # The power stays on, and no row leaves Quick stop active by itself: only 12 and 16 do.
-    Transition(11, PowerState.OPERATION_ENABLED, _QUICK, PowerState.QUICK_STOP_ACTIVE),
-    Transition(12, PowerState.QUICK_STOP_ACTIVE, _DISABLE, PowerState.SWITCH_ON_DISABLED, _OFF),
     # 13 for each state without motion: power off at once. 17 below is the one with a ramp.
-    Transition(13, PowerState.START, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF),
-    Transition(
-        13, PowerState.NOT_READY_TO_SWITCH_ON, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF
+    *(
+        Transition(13, source, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF)
+        for source in _WITHOUT_POWER
     ),
-    Transition(13, PowerState.SWITCH_ON_DISABLED, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF),
-    Transition(13, PowerState.READY_TO_SWITCH_ON, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF),
-    Transition(13, PowerState.SWITCHED_ON, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF),
-    Transition(13, PowerState.REFRESH, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF),
-    Transition(13, PowerState.MEASURE_INIT, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF),
     Transition(14, PowerState.FAULT_REACTION_DISABLED, Happening.REACTED, PowerState.FAULT, _OFF),
-    # Switch on disabled, not Ready: after a fault the whole sequence of commands is needed again.
-    Transition(15, PowerState.FAULT, Happening.FAULT_RESET, PowerState.SWITCH_ON_DISABLED),
-    Transition(16, PowerState.QUICK_STOP_ACTIVE, _ENABLE, PowerState.OPERATION_ENABLED),
     Transition(17, PowerState.OPERATION_ENABLED, Happening.FAULT, PowerState.FAULT_REACTION_ENABLED),
     Transition(17, PowerState.QUICK_STOP_ACTIVE, Happening.FAULT, PowerState.FAULT_REACTION_ENABLED),
     Transition(18, PowerState.FAULT_REACTION_ENABLED, Happening.REACTED, PowerState.FAULT, _OFF),
     Transition(20, PowerState.REFRESH, Happening.REFRESHED, PowerState.MEASURE_INIT, PowerStageEffect.ON),
     Transition(21, PowerState.MEASURE_INIT, Happening.MEASURED, PowerState.OPERATION_ENABLED),
 )
+
+TRANSITIONS: Final = of_product(_ABSENT, _OWN)
 """Transition 19, node reset, leads from every state to Start: see `MotionControl.reset`."""
 
-LEAVING: Final[Mapping[PowerState, dict[Trigger, Transition]]] = MappingProxyType(
-    {state: {row.trigger: row for row in TRANSITIONS if row.source is state} for state in PowerState}
-)
+LEAVING: Final = leaving(TRANSITIONS)
 """The rows by the state that they leave."""
 
 TIMED: Final[Mapping[PowerState, Happening]] = MappingProxyType(

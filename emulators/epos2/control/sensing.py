@@ -12,8 +12,8 @@ from functools import partial
 from types import MappingProxyType
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.objects.axis_parameters import MISCELLANEOUS, SENSOR_POLARITY
-from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.sensors import hall_pattern
 from firmware_bridge.canopen import objects as od

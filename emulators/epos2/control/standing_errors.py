@@ -5,9 +5,10 @@ The power sequence brings the motor to standstill.
 
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
+from emulators.canopen.option_codes import ErrorReaction
 from emulators.epos2.control import enable_checks, supervision
-from emulators.epos2.control.supervision import WATCHED, ErrorReaction
-from emulators.epos2.objects.store import ObjectStore
+from emulators.epos2.control.supervision import WATCHED
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import PowerState

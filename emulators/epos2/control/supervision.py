@@ -1,4 +1,4 @@
-"""Map from the servo axis' findings to emergencies, and from option codes to reactions.
+"""Map from the servo axis' findings to emergencies, and from emergencies to reactions.
 
 Sources: EPOS Firmware Specification, error handling (by analogy); option codes per CiA 402. It does not carry
 out a reaction.
@@ -6,20 +6,19 @@ out a reaction.
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from enum import Enum
 from functools import reduce
 from operator import or_
 from types import MappingProxyType
 from typing import Final
 
-from emulators.epos2.control.power_states import RampOption
+from emulators.canopen.option_codes import FAULT_REACTION, ErrorReaction
 from emulators.epos2.control.sensing import ABSOLUTE
 from emulators.servo import axis as servo
-from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
+from firmware_bridge.canopen.emergency import FaultReaction, Recovery
 from firmware_bridge.wire.epos2 import emergency
-from firmware_bridge.wire.epos2.emergency import EMERGENCIES, FaultReaction, Recovery
+from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,42 +99,10 @@ SETPOINTS_IN_A_MILLISECOND: Final = 8
 """Limit of new target values within one ms, above which the drive lacks the resources for them."""
 
 
-class ErrorReaction(Enum):
-    """Reactions by which the motor is stopped before the fault state."""
-
-    NONE = "only reported"
-    DISABLE = "power stage off at once"
-    SLOW_DOWN = "ramp with 0x6084, then off"
-    QUICK_STOP = "ramp with 0x6085, then off"
-
-
-RAMP_OPTIONS: Final[Mapping[RampOption, Address]] = MappingProxyType(
-    {RampOption.SHUTDOWN: od.SHUTDOWN_OPTION, RampOption.DISABLE: od.DISABLE_OPTION}
-)
-"""Objects that select a slow-down before the power stage is switched off: 1."""
-DECELERATIONS: Final[Mapping[ErrorReaction, Address]] = MappingProxyType(
-    {ErrorReaction.SLOW_DOWN: od.PROFILE_DECELERATION, ErrorReaction.QUICK_STOP: od.QUICK_STOP_DECELERATION}
-)
-"""Objects with the deceleration of a ramp."""
-
 FAULT_OPTIONS: Final[Mapping[int, ErrorReaction]] = MappingProxyType(
-    {
-        -1: ErrorReaction.NONE,
-        0: ErrorReaction.DISABLE,
-        1: ErrorReaction.SLOW_DOWN,
-        2: ErrorReaction.QUICK_STOP,
-    }
+    {-1: ErrorReaction.NONE, **FAULT_REACTION}
 )
 """0x605E, for the errors that allow a ramp; -1 is uncertain. Others count as the default, 2 (assumed)."""
-
-ABORT_OPTIONS: Final[Mapping[int, ErrorReaction]] = MappingProxyType(
-    {
-        0: ErrorReaction.NONE,
-        2: ErrorReaction.DISABLE,
-        3: ErrorReaction.QUICK_STOP,
-    }
-)
-"""0x6007 for a lost connection; 1, and others, react by 0x605E. Each but 0 ends in Fault."""
 
 
 def reaction_to(code: int, fault_option: int) -> ErrorReaction:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.modes.homing_methods import METHODS
 from emulators.epos2.objects.device_profile import BIT_RATE, BIT_RATES
-from emulators.epos2.objects.store import ObjectStore
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address

@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.objects.axis_parameters import ACTUAL_VALUES, SENSOR_RESOLUTION
-from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.record import ServoRecord
 from emulators.servo.recorder import ERROR
@@ -21,7 +21,6 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.objects import OBJECTS
 
 CONTROL: Final = Address(0x2010)
 CONFIGURATION: Final = Address(0x2011)
@@ -130,7 +129,7 @@ class DataRecorder:
         """Return how many samples of each variable have room; 0 where one of them cannot be recorded."""
         if not chosen or any(address not in RECORDABLE for address in chosen):
             return 0
-        return MEMORY_WORDS // sum(map(_words, chosen))
+        return MEMORY_WORDS // sum(map(self._words, chosen))
 
     def _status(self) -> int:
         running = RUNNING if self._axis.recording else 0
@@ -148,7 +147,7 @@ class DataRecorder:
         samples, begin, memory = self._axis.recorder.samples(), 0, bytearray()
         for address in self._recorded:
             fields = RECORDABLE[address]
-            size = _words(address) * WORD_BYTES
+            size = self._words(address) * WORD_BYTES
             for sample in samples:
                 value = self._value(address, fields, sample[begin : begin + len(fields)])
                 memory += (value & (1 << 8 * size) - 1).to_bytes(size, "little")
@@ -163,6 +162,5 @@ class DataRecorder:
             setattr(shadow, field, number)
         return _VALUES[address](shadow)
 
-
-def _words(address: Address) -> int:
-    return -(-OBJECTS[address].type.size // WORD_BYTES)
+    def _words(self, address: Address) -> int:
+        return -(-self._store.objects[address].type.size // WORD_BYTES)

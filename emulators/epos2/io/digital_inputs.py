@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from emulators.epos2.objects.store import ObjectStore
+from emulators.canopen.object_store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen.cia402 import ControlwordCommand
 from firmware_bridge.wire.epos2 import emergency

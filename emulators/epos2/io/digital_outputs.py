@@ -5,7 +5,7 @@ purpose bits that the mask lets through. The polarity turns a pin's sense round.
 while there is no fault; "holding brake" is active while the brake is released, for that takes current.
 """
 
-from emulators.epos2.objects.store import ObjectStore
+from emulators.canopen.object_store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.pins import BRAKE_CLOSED
 from firmware_bridge.wire.epos2.functions import (

@@ -2,12 +2,12 @@
 
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.io.digital_inputs import DigitalInputs
 from emulators.epos2.io.digital_outputs import DigitalOutputs
 from emulators.epos2.io.holding_brake import HoldingBrake
 from emulators.epos2.io.position_compare import PositionCompare
 from emulators.epos2.io.position_marker import PositionMarker
-from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 
 

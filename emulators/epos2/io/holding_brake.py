@@ -8,8 +8,8 @@ largest value.
 
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.io.digital_outputs import DigitalOutputs
-from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import AT_REST, ServoAxis
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds

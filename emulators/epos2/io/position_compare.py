@@ -11,8 +11,8 @@ from functools import partial
 from types import MappingProxyType
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.io.digital_outputs import DigitalOutputs
-from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.compare import DOWNWARDS, UPWARDS
 from firmware_bridge.canopen.address import Address

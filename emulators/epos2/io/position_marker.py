@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.io.digital_inputs import DigitalInputs
-from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address

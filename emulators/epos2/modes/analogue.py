@@ -12,10 +12,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.setpoint import scaled
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.wire.epos2.objects import OBJECTS
 
 EXECUTION_MASK: Final = Address(0x207D)
 FUNCTIONS: Final = (Address(0x207B, 1), Address(0x207B, 2))
@@ -63,12 +63,12 @@ class AnalogueSetpoint:
         axis.analogue_input = self._input(get) if switched_on else 0
         return axis.analogue_input != 0
 
-    def measured(self, axis: ServoAxis, get: Callable[[Address], int]) -> int:
+    def measured(self, axis: ServoAxis, store: ObjectStore) -> int:
         """Return what the set-point is now, at work or not; the offset where no input has its function."""
-        pin = self._input(get)
-        millivolts = (0, axis.analogue_1_mv, axis.analogue_2_mv)[pin]
-        wide = OBJECTS[self.value].type
-        return max(wide.lowest, min(wide.highest, scaled(millivolts, *self._scale(get), get(self.offset))))
+        millivolts = (0, axis.analogue_1_mv, axis.analogue_2_mv)[self._input(store.get)]
+        value = scaled(millivolts, *self._scale(store.get), store.get(self.offset))
+        wide = store.objects[self.value].type
+        return max(wide.lowest, min(wide.highest, value))
 
     def _input(self, get: Callable[[Address], int]) -> int:
         return next((pin for pin, address in enumerate(FUNCTIONS, 1) if get(address) == self.function), 0)

@@ -31,7 +31,7 @@ class DirectMode(ModeOfOperation, ABC):
 
     def __init__(self, shaft: Shaft) -> None:
         super().__init__(shaft)
-        measured = partial(self.analogue.measured, shaft.axis, shaft.store.get)
+        measured = partial(self.analogue.measured, shaft.axis, shaft.store)
         shaft.store.on_read(self.analogue.value, measured)
 
     def enter(self) -> None:

@@ -8,7 +8,8 @@ with index) is a homing error at once.
 
 from typing import ClassVar, Final
 
-from emulators.epos2.modes.homing_methods import ACTUAL_POSITION, METHODS, NOTHING_TO_DO, Goal, HomingWay
+from emulators.canopen.homing_methods import ACTUAL_POSITION, NOTHING_TO_DO, Goal, HomingMove
+from emulators.epos2.modes.homing_methods import METHODS
 from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.profile_position import HIGHEST, LOWEST
 from emulators.epos2.modes.shaft import Shaft
@@ -32,7 +33,7 @@ class HomingMode(ModeOfOperation):
 
     def __init__(self, shaft: Shaft) -> None:
         super().__init__(shaft)
-        self._ways: tuple[HomingWay, ...] = ()
+        self._ways: tuple[HomingMove, ...] = ()
         """Moves of the method; empty while no homing runs."""
         self._number = 0
         """Index of the present move; past the last one it is the offset."""
@@ -89,7 +90,7 @@ class HomingMode(ModeOfOperation):
             self._fail()
         return True
 
-    def _can(self, ways: tuple[HomingWay, ...]) -> bool:
+    def _can(self, ways: tuple[HomingMove, ...]) -> bool:
         store, fitted = self.shaft.store, self.shaft.inputs.fitted
         return all(
             fitted >> way.switch & 1
@@ -142,7 +143,7 @@ class HomingMode(ModeOfOperation):
         cruise = shaft.bounded(shaft.store.get(od.HOMING_SPEED_SWITCH))
         shaft.move(cruise, od.HOMING_ACCELERATION, od.HOMING_ACCELERATION)
 
-    def _reached(self, way: HomingWay) -> bool:
+    def _reached(self, way: HomingMove) -> bool:
         """Return True if a move has come to its end, and note the position there."""
         axis = self.shaft.axis
         # While the ramp of the move before runs out, the shaft goes the other way: an edge does not count.
@@ -166,7 +167,7 @@ class HomingMode(ModeOfOperation):
         self._left = closed
         return bool(left) and turned
 
-    def _closed(self, way: HomingWay) -> int:
+    def _closed(self, way: HomingMove) -> int:
         return 0 if way.switch is None else self.shaft.inputs.active >> way.switch & 1
 
     def _settle(self, place: int) -> None:

@@ -15,8 +15,8 @@ from collections.abc import Callable
 from enum import IntFlag
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.objects.device_profile import BUFFER_FREE, BUFFER_SIZE
-from emulators.epos2.objects.store import ObjectStore
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.epos2.pvt import PvtRecord

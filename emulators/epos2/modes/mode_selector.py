@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.io.digital_inputs import DigitalInputs
 from emulators.epos2.modes.digital_position import DigitalPosition
 from emulators.epos2.modes.direct import CurrentMode, PositionMode, VelocityMode
@@ -16,11 +17,10 @@ from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.profile_position import ProfilePosition
 from emulators.epos2.modes.profile_velocity import ProfileVelocity
 from emulators.epos2.modes.shaft import Shaft
-from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import ControlwordBit, Mode
-from firmware_bridge.wire.epos2 import emergency
+from firmware_bridge.canopen.emergency import NO_ERROR
 
 MODES: Final[Mapping[int, type[ModeOfOperation]]] = MappingProxyType(
     {
@@ -72,7 +72,7 @@ class ModeSelector:
         """Begin as after power-on, in a mode."""
         for mode in self._modes.values():
             mode.restart()
-        self.shaft.error = emergency.NO_ERROR
+        self.shaft.error = NO_ERROR
         self.shaft.referenced = False
         self.forget()
         self.set(number)

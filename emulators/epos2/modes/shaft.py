@@ -5,8 +5,8 @@ Not known here: modes and states.
 
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.io.digital_inputs import DigitalInputs
-from emulators.epos2.objects.store import ObjectStore
 from emulators.servo import sine
 from emulators.servo.axis import (
     CURRENT,
@@ -28,6 +28,7 @@ from emulators.servo.profile import stopping_distance
 from emulators.servo.scaling import acceleration_units, speed_units
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.emergency import NO_ERROR
 from firmware_bridge.wire.epos2 import emergency
 
 LONGEST_MOVE_MS: Final = (1 << 31) - 1
@@ -44,7 +45,7 @@ class Shaft:
         """Bit 8 of the controlword is up, in a mode that heeds it."""
         self.referenced = False
         """Bit 15: a homing has found where the shaft is. Assumed: by any method; a restart forgets it."""
-        self.error = emergency.NO_ERROR
+        self.error = NO_ERROR
         """Emergency code for a request that a mode cannot carry out; see `take_error`."""
 
     @property
@@ -88,7 +89,7 @@ class Shaft:
 
     def take_error(self) -> int:
         """Return what a mode cannot do, once."""
-        error, self.error = self.error, emergency.NO_ERROR
+        error, self.error = self.error, NO_ERROR
         return error
 
     def hold(self) -> None:

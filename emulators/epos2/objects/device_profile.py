@@ -12,7 +12,8 @@ from typing import Annotated, Final, get_type_hints
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.object_row import ObjectRow, Provenance
+from firmware_bridge.canopen.object_dictionary import ObjectDictionary
+from firmware_bridge.canopen.object_row import Provenance
 from firmware_bridge.units import MICROSECOND, Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.differences import DIFFERENCES, objects_of
@@ -27,6 +28,7 @@ from firmware_bridge.wire.epos2.rows import (
     LIBRARY,
 )
 
+NODE_NUMBER: Final = Address(0x2000)
 BIT_RATE: Final = Address(0x2001)
 BIT_RATE_IN_USE: Final = Address(0x200A)
 DIP_SWITCH: Final = Address(0x2009)
@@ -185,8 +187,8 @@ class DeviceProfile:
         return _FIELDS.get(address)
 
     @property
-    def objects(self) -> Mapping[Address, ObjectRow]:
-        """Every object that the type has."""
+    def objects(self) -> ObjectDictionary:
+        """The type's object dictionary."""
         return objects_of(self.hardware_version)
 
     def bounds(self) -> Mapping[Address, tuple[int, int]]:

@@ -5,7 +5,7 @@ Assumed: a wrong toggle bit or length ends the transfer, and without one a segme
 
 from dataclasses import dataclass, field
 
-from emulators.epos2.objects.store import ObjectStore
+from emulators.canopen.object_store import ObjectStore
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.wire.maxon.messages import (

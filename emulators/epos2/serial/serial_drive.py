@@ -5,11 +5,11 @@ Other drives of a bus need no port of their own: the gateway reaches them.
 
 from typing import Final
 
+from emulators.canopen.saved_parameters import Storage
 from emulators.epos2.canopen.motion_protocol import MotionFactory
 from emulators.epos2.control.motion_control import MotionControl
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.device_profile import BAUDS, EPOS2_70_10, DeviceProfile
-from emulators.epos2.objects.saved_parameters import Storage
 from emulators.epos2.serial.can_gateway import DriveOnBus
 from emulators.epos2.serial.serial_port import SerialPort
 from emulators.servo.axis import ServoAxis

@@ -7,8 +7,8 @@ maxon's command library for the USB side, a converter at 1 MBd. Assumed: a time-
 from collections.abc import Mapping
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.objects.device_profile import BAUDS, RS232_RATE, DeviceProfile
-from emulators.epos2.objects.store import ObjectStore
 from emulators.epos2.serial.can_gateway import DriveOnBus
 from emulators.epos2.serial.server import SerialServer
 from firmware_bridge.canopen.address import Address

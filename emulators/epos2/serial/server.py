@@ -8,8 +8,8 @@ frame that the host puts on the bus by SendCANFrame is not received by that driv
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.objects.device_profile import DeviceProfile
-from emulators.epos2.objects.store import ObjectStore
 from emulators.epos2.serial.can_gateway import CanGateway, DriveOnBus, Result
 from emulators.epos2.serial.segmented_transfer import SegmentedTransfer
 from firmware_bridge.canopen import cia301

@@ -5,10 +5,11 @@ from typing import Final
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtState
-from firmware_bridge.canopen.cia402 import Mode, PowerState, Status, state_of
+from firmware_bridge.canopen.cia402 import Mode, PowerState, Status
 from firmware_bridge.drivers.commissioning.client import Do, Script
 from firmware_bridge.drivers.commissioning.next_step import next_step
 from firmware_bridge.drivers.commissioning.reading import Reading
+from firmware_bridge.wire.epos2.power_states import state_of
 
 STANDING: Final = (
     od.STATUSWORD,

@@ -19,12 +19,12 @@ from firmware_bridge.canopen.cia402 import (
     ControlwordBit,
     ControlwordCommand,
     PowerState,
-    state_of,
     word_of,
 )
 from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Script, Wait, need
 from firmware_bridge.drivers.commissioning.job import ReadJob, WriteJob
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
+from firmware_bridge.wire.epos2.power_states import state_of
 
 LOOK_EVERY: Final[Nanoseconds] = 10 * MILLISECOND
 LOOKS: Final = 500

@@ -13,7 +13,7 @@ from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NODE_MASK, NmtState
-from firmware_bridge.canopen.cia402 import PowerState, state_of
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.drivers.commissioning.can_access import CanAccess
 from firmware_bridge.drivers.commissioning.client import Ask, Do, Script, Wait, need
 from firmware_bridge.drivers.commissioning.job import JobError, Outcome, ReadJob
@@ -25,6 +25,7 @@ from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.epos2.hardware import MAXON
+from firmware_bridge.wire.epos2.power_states import state_of
 
 TIMEOUT: Final[Nanoseconds] = 50 * MILLISECOND
 """For one answer on the bus. The drive needs 1 to 13 ms, by the bit rate (EPOS2 Application Notes, p. 168).

@@ -10,8 +10,10 @@ from typing import Final, TypeAlias
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import ControlwordBit, Mode, Status, command_of, state_of
-from firmware_bridge.wire.epos2.emergency import EMERGENCIES, NO_ERROR, RegisterBit
+from firmware_bridge.canopen.cia402 import ControlwordBit, Mode, Status, command_of
+from firmware_bridge.canopen.emergency import NO_ERROR, RegisterBit
+from firmware_bridge.wire.epos2.emergency import EMERGENCIES
+from firmware_bridge.wire.epos2.power_states import state_of
 
 Words: TypeAlias = tuple[str, ...]
 _VOLTAGE_ENABLED: Final = 1 << 4

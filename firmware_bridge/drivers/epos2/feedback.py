@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Final
 
-from firmware_bridge.canopen.cia402 import PowerState, Status, state_of
+from firmware_bridge.canopen.cia402 import PowerState, Status
 from firmware_bridge.drivers.driver import Between, Feedback, Power, Reports
 from firmware_bridge.drivers.epos2.scale import Scale, wrapped
 from firmware_bridge.intent import NEVER_RECEIVED
@@ -15,6 +15,7 @@ from firmware_bridge.robot import Axis
 from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
+from firmware_bridge.wire.epos2.power_states import state_of
 
 REPORTS: Final = frozenset(Reports)
 """An EPOS2 has all reports that there are."""

@@ -10,7 +10,7 @@ from typing import Final
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand
-from firmware_bridge.canopen.cia402 import PowerState, state_of, towards, word_of
+from firmware_bridge.canopen.cia402 import PowerState, towards, word_of
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.sdo_client import ATTEMPTS, TIMEOUT, Outcome, SdoError, Transfer
 from firmware_bridge.drivers.driver import StartupError
@@ -29,6 +29,7 @@ from firmware_bridge.drivers.script_runner import Ask, Do, Script, Step, Until
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.power_states import state_of
 
 FIND_WITHIN: Final[Nanoseconds] = 2 * SECOND
 STATE_WITHIN: Final[Nanoseconds] = SECOND

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from typing import Final
 
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import PowerState, Status, state_of
+from firmware_bridge.canopen.cia402 import PowerState, Status
 from firmware_bridge.canopen.objects import CONTROLWORD
 from firmware_bridge.robot import AnyRobot, Axis, CommandForm
 from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
@@ -23,6 +23,7 @@ from firmware_bridge.safety.guard.epos2_words import (
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.zeroing import READ, WRITTEN, Zeroing
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
+from firmware_bridge.wire.epos2.power_states import state_of
 
 _TARGET_REACHED: Final = int(Status.TARGET_REACHED)
 

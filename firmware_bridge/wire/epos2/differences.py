@@ -1,4 +1,4 @@
-"""Differences of the other types' object dictionaries from the 70/10's, a row each, with its source.
+"""The object dictionary of each type: the 70/10's table, and the type's differences with their source.
 
 A type without a row here is not known to differ, for want of its EDS.
 """
@@ -11,8 +11,9 @@ from typing import Final
 
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import Access, DataType
+from firmware_bridge.canopen.object_dictionary import ObjectDictionary
 from firmware_bridge.canopen.object_row import ObjectRow
-from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.objects import ROWS
 from firmware_bridge.wire.epos2.rows import EDS, row
 
 EDS_50_5: Final = "maxon EDS, EPOS2 50/5 (347717), software 2126h, hardware 6322h"
@@ -58,17 +59,16 @@ DIFFERENCES: Final[Mapping[int, Difference]] = MappingProxyType(
 
 
 @cache
-def objects_of(hardware: int | None) -> Mapping[Address, ObjectRow]:
-    """Return every object of a type by its hardware version, in the order of the addresses."""
+def objects_of(hardware: int | None = None) -> ObjectDictionary:
+    """Return the object dictionary of a type by its hardware version; without one, of the 70/10."""
     # Without an EDS of its own a type counts as the 70/10.
     found = DIFFERENCES.get(hardware or 0)
     if found is None:
-        return OBJECTS
-    rows = [*(row for row in OBJECTS.values() if row.address not in found.absent), *found.own]
-    return MappingProxyType({row.address: row for row in sorted(rows, key=lambda row: row.address)})
+        return ObjectDictionary(ROWS)
+    return ObjectDictionary((*(row for row in ROWS if row.address not in found.absent), *found.own))
 
 
-ANY_TYPE: Final[Mapping[Address, ObjectRow]] = MappingProxyType(
-    {address: row for hardware in (None, *DIFFERENCES) for address, row in objects_of(hardware).items()}
+ANY_TYPE: Final = ObjectDictionary(
+    row for hardware in (None, *DIFFERENCES) for row in objects_of(hardware).values()
 )
 """The objects of all types: what a client can name."""

@@ -6,16 +6,14 @@ code list for the EPOS2 in maxon's command library up to FF0D; EPOS2 firmware no
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from enum import Enum
+from functools import partial
 from types import MappingProxyType
 from typing import Final
 
+from firmware_bridge.canopen.emergency import Emergency, FaultReaction, Recovery, RegisterBit
 from firmware_bridge.canopen.object_row import Provenance
 from firmware_bridge.wire.epos2.rows import FIRMWARE_SPECIFICATION, LIBRARY
 
-NO_ERROR: Final = 0x0000
-"""Emergency error code after the last error has gone."""
 GENERIC: Final = 0x1000
 UNDER_VOLTAGE: Final = 0x3220
 OVER_VOLTAGE: Final = 0x3210
@@ -54,48 +52,7 @@ MAIN_SENSOR_DIRECTION: Final = 0xFF11
 AUXILIARY_SENSOR_DIRECTION: Final = 0xFF12
 
 
-class FaultReaction(Enum):
-    """Reaction of the drive to the error that appears."""
-
-    NONE = "none"
-    DISABLE = "power stage off at once"
-    QUICK_STOP = "ramp down with 0x6085, then power stage off"
-
-
-class Recovery(Enum):
-    """Action that lets the drive leave the fault once the cause is gone."""
-
-    FAULT_RESET = "controlword bit 7, rising edge"
-    RESET_COMMUNICATION = "network management: reset communication"
-    RESET_NODE = "network management: reset node"
-
-
-class RegisterBit:
-    """Bits of the error register 0x1001."""
-
-    GENERIC: Final = 1 << 0
-    CURRENT: Final = 1 << 1
-    VOLTAGE: Final = 1 << 2
-    TEMPERATURE: Final = 1 << 3
-    COMMUNICATION: Final = 1 << 4
-    PROFILE: Final = 1 << 5
-    MANUFACTURER: Final = 1 << 7
-
-
-@dataclass(frozen=True, slots=True)
-class Emergency:
-    """One error that the drive can report."""
-
-    code: int
-    register: int
-    """Bits of 0x1001 that are set while the error stands."""
-    reaction: FaultReaction
-    cause: str
-    recovery: Recovery = Recovery.FAULT_RESET
-    provenance: Provenance = Provenance.BY_ANALOGY
-    source: str = FIRMWARE_SPECIFICATION
-
-
+_row: Final = partial(Emergency, source=FIRMWARE_SPECIFICATION)
 _NONE = FaultReaction.NONE
 _DISABLE = FaultReaction.DISABLE
 _STOP = FaultReaction.QUICK_STOP
@@ -107,10 +64,10 @@ _NOTES = "EPOS2 firmware specification, error chapter, as quoted by users"
 
 # Bit 0 of the register is set with any error; only the further bits are listed (CiA 301, 0x1001).
 _ROWS: Final = (
-    Emergency(0x1000, RegisterBit.GENERIC, _DISABLE, "generic error"),
-    Emergency(0x2310, RegisterBit.CURRENT, _DISABLE, "over-current"),
-    Emergency(0x3210, RegisterBit.VOLTAGE, _DISABLE, "over-voltage"),
-    Emergency(
+    _row(0x1000, RegisterBit.GENERIC, _DISABLE, "generic error"),
+    _row(0x2310, RegisterBit.CURRENT, _DISABLE, "over-current"),
+    _row(0x3210, RegisterBit.VOLTAGE, _DISABLE, "over-voltage"),
+    _row(
         0x3220,
         RegisterBit.VOLTAGE,
         _DISABLE,
@@ -118,40 +75,38 @@ _ROWS: Final = (
         provenance=Provenance.PROVEN,
         source="recorded at loss of power (code and register); reaction by analogy",
     ),
-    Emergency(0x4210, RegisterBit.TEMPERATURE, _DISABLE, "over-temperature"),
-    Emergency(0x5113, RegisterBit.VOLTAGE, _DISABLE, "5 V supply too low"),
-    Emergency(
-        0x5114, RegisterBit.VOLTAGE, _DISABLE, "supply of the output stage too low", provenance=_ASSUMED
-    ),
-    Emergency(0x6100, _PROFILE, _DISABLE, "internal software error"),
-    Emergency(0x6320, _PROFILE, _DISABLE, "software parameters contradict each other"),
-    Emergency(0x7320, _PROFILE, _DISABLE, "position sensor: position no longer valid"),
-    Emergency(0x8110, _COMMUNICATION, _STOP, "CAN overrun: object lost"),
-    Emergency(0x8111, _COMMUNICATION, _STOP, "CAN overrun"),
-    Emergency(0x8120, _COMMUNICATION, _STOP, "CAN error passive", Recovery.RESET_COMMUNICATION),
-    Emergency(0x8130, _COMMUNICATION, _STOP, "heartbeat or node guarding failed; reaction chosen by 0x6007"),
-    Emergency(0x8150, _COMMUNICATION, _NONE, "someone else sends with the drive's own COB-ID"),
-    Emergency(0x81FD, _COMMUNICATION, _STOP, "CAN bus off"),
-    Emergency(0x81FE, _COMMUNICATION, _STOP, "CAN receive queue overrun"),
-    Emergency(0x81FF, _COMMUNICATION, _STOP, "CAN transmit queue overrun"),
-    Emergency(0x8210, _COMMUNICATION, _STOP, "receive PDO shorter than its mapping"),
-    Emergency(0x8611, _PROFILE, _STOP, "following error larger than 0x6065"),
-    Emergency(0xFF01, _MAKER, _DISABLE, "hall sensor"),
-    Emergency(0xFF02, _MAKER, _DISABLE, "encoder index missing or spurious"),
-    Emergency(0xFF03, _MAKER, _DISABLE, "encoder resolution does not fit"),
-    Emergency(0xFF04, _MAKER, _DISABLE, "hall sensor not found", Recovery.RESET_NODE),
-    Emergency(0xFF06, _MAKER, _STOP, "negative limit switch"),
-    Emergency(0xFF07, _MAKER, _STOP, "positive limit switch"),
-    Emergency(0xFF08, _MAKER, _STOP, "hall angle not detected"),
-    Emergency(0xFF09, _MAKER, _STOP, "position beyond the software limits 0x607D"),
-    Emergency(0xFF0A, _MAKER, _DISABLE, "position sensor breach"),
-    Emergency(0xFF0B, _PROFILE, _DISABLE, "system overloaded"),
-    Emergency(0xFF0C, _PROFILE, _STOP, "interpolated position mode", provenance=_ASSUMED, source=LIBRARY),
-    Emergency(0xFF0D, _PROFILE, _DISABLE, "identification for tuning", provenance=_ASSUMED, source=LIBRARY),
-    Emergency(0xFF0F, _PROFILE, _DISABLE, "gear scaling factor", provenance=_ASSUMED, source=_NOTES),
-    Emergency(0xFF10, _PROFILE, _DISABLE, "controller gain", provenance=_ASSUMED, source=_NOTES),
-    Emergency(0xFF11, _PROFILE, _DISABLE, "main sensor direction", provenance=_ASSUMED, source=_NOTES),
-    Emergency(0xFF12, _PROFILE, _DISABLE, "auxiliary sensor direction", provenance=_ASSUMED, source=_NOTES),
+    _row(0x4210, RegisterBit.TEMPERATURE, _DISABLE, "over-temperature"),
+    _row(0x5113, RegisterBit.VOLTAGE, _DISABLE, "5 V supply too low"),
+    _row(0x5114, RegisterBit.VOLTAGE, _DISABLE, "supply of the output stage too low", provenance=_ASSUMED),
+    _row(0x6100, _PROFILE, _DISABLE, "internal software error"),
+    _row(0x6320, _PROFILE, _DISABLE, "software parameters contradict each other"),
+    _row(0x7320, _PROFILE, _DISABLE, "position sensor: position no longer valid"),
+    _row(0x8110, _COMMUNICATION, _STOP, "CAN overrun: object lost"),
+    _row(0x8111, _COMMUNICATION, _STOP, "CAN overrun"),
+    _row(0x8120, _COMMUNICATION, _STOP, "CAN error passive", Recovery.RESET_COMMUNICATION),
+    _row(0x8130, _COMMUNICATION, _STOP, "heartbeat or node guarding failed; reaction chosen by 0x6007"),
+    _row(0x8150, _COMMUNICATION, _NONE, "someone else sends with the drive's own COB-ID"),
+    _row(0x81FD, _COMMUNICATION, _STOP, "CAN bus off"),
+    _row(0x81FE, _COMMUNICATION, _STOP, "CAN receive queue overrun"),
+    _row(0x81FF, _COMMUNICATION, _STOP, "CAN transmit queue overrun"),
+    _row(0x8210, _COMMUNICATION, _STOP, "receive PDO shorter than its mapping"),
+    _row(0x8611, _PROFILE, _STOP, "following error larger than 0x6065"),
+    _row(0xFF01, _MAKER, _DISABLE, "hall sensor"),
+    _row(0xFF02, _MAKER, _DISABLE, "encoder index missing or spurious"),
+    _row(0xFF03, _MAKER, _DISABLE, "encoder resolution does not fit"),
+    _row(0xFF04, _MAKER, _DISABLE, "hall sensor not found", Recovery.RESET_NODE),
+    _row(0xFF06, _MAKER, _STOP, "negative limit switch"),
+    _row(0xFF07, _MAKER, _STOP, "positive limit switch"),
+    _row(0xFF08, _MAKER, _STOP, "hall angle not detected"),
+    _row(0xFF09, _MAKER, _STOP, "position beyond the software limits 0x607D"),
+    _row(0xFF0A, _MAKER, _DISABLE, "position sensor breach"),
+    _row(0xFF0B, _PROFILE, _DISABLE, "system overloaded"),
+    _row(0xFF0C, _PROFILE, _STOP, "interpolated position mode", provenance=_ASSUMED, source=LIBRARY),
+    _row(0xFF0D, _PROFILE, _DISABLE, "identification for tuning", provenance=_ASSUMED, source=LIBRARY),
+    _row(0xFF0F, _PROFILE, _DISABLE, "gear scaling factor", provenance=_ASSUMED, source=_NOTES),
+    _row(0xFF10, _PROFILE, _DISABLE, "controller gain", provenance=_ASSUMED, source=_NOTES),
+    _row(0xFF11, _PROFILE, _DISABLE, "main sensor direction", provenance=_ASSUMED, source=_NOTES),
+    _row(0xFF12, _PROFILE, _DISABLE, "auxiliary sensor direction", provenance=_ASSUMED, source=_NOTES),
 )
 
 EMERGENCIES: Final[Mapping[int, Emergency]] = MappingProxyType({row.code: row for row in _ROWS})

@@ -9,13 +9,15 @@ from typing import Final
 from firmware_bridge.canopen.cia301 import COB_ID_INVALID, COB_ID_NO_REMOTE, RECEIVE_PDO, TRANSMIT_PDO
 from firmware_bridge.canopen.data_type import Access, DataType
 from firmware_bridge.canopen.object_row import ObjectRow
-from firmware_bridge.canopen.pdo import MAX_ENTRIES
+from firmware_bridge.canopen.pdo import (
+    MAX_ENTRIES,
+    RECEIVE_MAPPING,
+    RECEIVE_PARAMETER,
+    TRANSMIT_MAPPING,
+    TRANSMIT_PARAMETER,
+)
 from firmware_bridge.wire.epos2.rows import count, row
 
-RECEIVE_PARAMETER: Final = 0x1400
-RECEIVE_MAPPING: Final = 0x1600
-TRANSMIT_PARAMETER: Final = 0x1800
-TRANSMIT_MAPPING: Final = 0x1A00
 PDOS: Final = 4
 """Of each direction."""
 

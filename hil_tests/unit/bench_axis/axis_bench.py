@@ -12,7 +12,6 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import Mode, PowerState
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.objects import OBJECTS
 from fmu.build import ensure
 from fmu.single_axis.parameters import SETS
 
@@ -59,7 +58,7 @@ class AxisBench:
             self.write(address, value)
 
     def write(self, address: Address, value: int) -> None:
-        size = OBJECTS[address].type.size
+        size = EPOS2_70_10.objects[address].type.size
         self.store.write(address, (value & (1 << 8 * size) - 1).to_bytes(size, "little"))
         self.control.refresh(self.now)
 

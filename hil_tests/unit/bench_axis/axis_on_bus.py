@@ -12,7 +12,6 @@ from emulators.world import World
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.epos2.objects import OBJECTS
 from fmu.build import ensure
 from fmu.single_axis.parameters import SETS
 from hil_tests.unit.bench_axis.axis_bench import TUNED
@@ -44,4 +43,4 @@ class AxisOnBus:
         self.world.attach("master", self.master, {CAN: wire})
         self.world.run(50 * MILLISECOND)
         for address, value in TUNED.items():
-            self.store.write(address, value.to_bytes(OBJECTS[address].type.size, "little"))
+            self.store.write(address, value.to_bytes(EPOS2_70_10.objects[address].type.size, "little"))

@@ -9,13 +9,13 @@ from typing import Final, NamedTuple
 
 import pytest
 
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.servo import kernel
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.objects import OBJECTS
 from hil_tests.rows import every
 from hil_tests.unit.bench_axis.axis_on_bus import AxisOnBus
 from hil_tests.unit.bench_axis.test_path_on_the_bus import POSITIONS, download
@@ -49,7 +49,7 @@ SERVED: Final = (
 
 def write(address: Address, value: int) -> tuple[int, str]:
     """An expedited SDO download to node 1."""
-    size = OBJECTS[address].type.size
+    size = EPOS2_70_10.objects[address].type.size
     command = {1: 0x2F, 2: 0x2B, 4: 0x23}[size]
     raw = (value & (1 << 8 * size) - 1).to_bytes(size, "little").ljust(4, b"\0")
     return 0x601, (pack("<BHB", command, *address) + raw).hex()

@@ -14,6 +14,7 @@ from firmware_bridge.robot import CommandForm as Commanded
 from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.units import SECOND, Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.power_states import STATUSWORDS
 
 if TYPE_CHECKING:
     from firmware_bridge.canopen.address import Address
@@ -178,7 +179,7 @@ class FakeDrive:
         remote = REMOTE if self.nmt is NmtState.OPERATIONAL else 0
         known = REFERENCED if self.referenced else 0
         attained = ATTAINED if self.attained and self._homes else 0
-        return (self.state.value | remote | known | attained).to_bytes(2, "little")
+        return (STATUSWORDS[self.state] | remote | known | attained).to_bytes(2, "little")
 
     @property
     def _homes(self) -> bool:

@@ -11,10 +11,10 @@ import pytest
 import serial
 from typer.testing import CliRunner
 
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.canopen.sdo_client import SdoClient
 from firmware_bridge.cli import program
 from firmware_bridge.units import SECOND
-from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.cli.bench_drives import Bench, Reported, ask, bench
 
@@ -280,7 +280,9 @@ def test_each_command_explains_itself_with_an_example(command: str) -> None:
 
 
 def test_every_readable_number_can_be_read_over_the_line(on: Bench) -> None:
-    named = [str(row.address) for row in OBJECTS.values() if row.access.readable and row.type.size]
+    named = [
+        str(row.address) for row in EPOS2_70_10.objects.values() if row.access.readable and row.type.size
+    ]
     reported = ask("read", *named, *on.serial)
     assert reported.status == 0, reported.err
     assert len(reported.out.splitlines()) == len(named)

@@ -5,7 +5,7 @@ import pytest
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
-from firmware_bridge.canopen.cia402 import Mode, PowerState, state_of
+from firmware_bridge.canopen.cia402 import Mode, PowerState
 from firmware_bridge.drivers.commissioning.can_access import CanAccess
 from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Script, need
 from firmware_bridge.drivers.commissioning.job import SilentError, WriteJob
@@ -16,6 +16,7 @@ from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND
+from firmware_bridge.wire.epos2.power_states import state_of
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.commissioning.rig import FAR, NEAR, OWN_LINE, WAYS, Rig, Way, rig_for
 

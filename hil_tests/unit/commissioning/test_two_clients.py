@@ -4,7 +4,7 @@ import pytest
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import PowerState, state_of
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.drivers.commissioning.can_access import CanAccess
 from firmware_bridge.drivers.commissioning.client import Ask, JobClient, Script, need
 from firmware_bridge.drivers.commissioning.job import ReadJob, WriteJob
@@ -13,6 +13,7 @@ from firmware_bridge.drivers.commissioning.reading import Reading
 from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.units import MILLISECOND, SECOND
+from firmware_bridge.wire.epos2.power_states import state_of
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.commissioning.rig import NEAR, Rig
 

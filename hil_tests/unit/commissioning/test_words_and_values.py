@@ -16,13 +16,13 @@ from firmware_bridge.drivers.commissioning.names import BY_NAME, dashed, find, s
 from firmware_bridge.drivers.commissioning.values import LONGEST_WRITE, decode, parse
 from firmware_bridge.drivers.commissioning.words import words
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.differences import objects_of
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
-from firmware_bridge.wire.epos2.objects import OBJECTS
 from hil_tests.lanes import examples
 from hil_tests.rows import every
 
-UNIQUE = [row for row in OBJECTS.values() if len(BY_NAME[squashed(row.name)]) == 1]
-NUMBERS = [row for row in OBJECTS.values() if 0 < row.type.size <= LONGEST_WRITE]
+UNIQUE = [row for row in objects_of().values() if len(BY_NAME[squashed(row.name)]) == 1]
+NUMBERS = [row for row in objects_of().values() if 0 < row.type.size <= LONGEST_WRITE]
 ON = "operation enabled|power stage on"
 GO = "enable operation"
 QUICK = settings(max_examples=examples(300), derandomize=True, database=None)
@@ -34,7 +34,7 @@ def test_every_name_finds_its_object_however_it_is_spelt(row: ObjectRow) -> None
         assert find(text) == row.address
 
 
-@every("row", OBJECTS.values(), ids=lambda row: row.address)
+@every("row", objects_of().values(), ids=lambda row: row.address)
 def test_every_address_is_read_as_it_is_printed(row: ObjectRow) -> None:
     assert find(str(row.address)) == row.address
 

@@ -26,7 +26,6 @@ from firmware_bridge.cli import program
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire.epos2.objects import OBJECTS
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
 
 
@@ -152,7 +151,9 @@ def test_a_running_drive_is_read_whole_and_its_file_carries_the_values(tmp_path:
     wire = Wire(desk)
     values = read_all(wire, 1)
     wire.close()
-    readable = {a for a, row in OBJECTS.items() if row.access.readable and row.type is not DataType.DOMAIN}
+    readable = {
+        a for a, row in EPOS2_70_10.objects.items() if row.access.readable and row.type is not DataType.DOMAIN
+    }
     assert set(values) == readable
     path = tmp_path / "node1.dcf"
     path.write_text(dcf(EPOS2_70_10, 1, 500_000, values), encoding="ascii")
@@ -172,7 +173,7 @@ def test_a_silent_node_is_named() -> None:
 
 def test_the_table_as_json_has_every_object_and_every_key() -> None:
     rows = json.loads(as_json(PROFILES["24/5"]))
-    assert len(rows) == len(OBJECTS)
+    assert len(rows) == len(EPOS2_70_10.objects)
     keys = {
         "index",
         "subindex",

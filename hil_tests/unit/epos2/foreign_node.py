@@ -11,6 +11,7 @@ import numpy as np
 
 from emulators.epos2.control.motion_control import MotionControl
 from emulators.epos2.drive import Epos2
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import MOTOR, DcMotors
@@ -24,7 +25,6 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE
 from firmware_bridge.wire.can_error import BUS_OFF, CONTROLLER
-from firmware_bridge.wire.epos2.objects import OBJECTS
 from hil_tests.unit.epos2.watched_winding import WatchedWinding
 
 NODE: Final = 5
@@ -38,7 +38,7 @@ DRIVEN: Final = frozenset(
     }
 )
 KNOWN_ABORTS: Final = frozenset(map(int, AbortCode))
-ROWS: Final = tuple(OBJECTS.values())
+ROWS: Final = tuple(EPOS2_70_10.objects.values())
 WORDS: Final = (0x0006, 0x0007, 0x000F, 0x001F, 0x003F, 0x007F, 0x010F, 0x000B, 0x0002, 0x0000, 0x0080)
 COMMANDS: Final = (0x01, 0x01, 0x01, 0x01, 0x80, 0x02, 0x81, 0x82, 0x03)
 MODES: Final = (1, 3, 1, 3, -1, -2, -3, 6, 7, 0)
@@ -115,7 +115,7 @@ class ForeignNode:
             assert response.code in KNOWN_ABORTS
             self.aborts.add(response.code)
         if isinstance(request, sdo.UploadRequest | sdo.DownloadRequest):
-            row = OBJECTS.get(request.address)
+            row = EPOS2_70_10.objects.get(request.address)
             assert not isinstance(response, sdo.Unknown | sdo.SdoSegment | sdo.SegmentAccepted)
             assert response.address == request.address
             reading = isinstance(request, sdo.UploadRequest)

@@ -3,10 +3,10 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from emulators.canopen.object_store import ObjectStore
+from emulators.canopen.saved_parameters import Storage
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile
-from emulators.epos2.objects.saved_parameters import Storage
-from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.node import CAN

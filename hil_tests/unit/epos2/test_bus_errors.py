@@ -4,19 +4,20 @@ from typing import Final
 
 import pytest
 
-from emulators.epos2.canopen.emergency_producer import HISTORY
 from emulators.epos2.drive import Epos2
 from emulators.servo.axis import ServoAxis
 from emulators.wires import Disturbance, FaultyCanWire
 from emulators.wires.confinement import Condition
 from emulators.world import World
 from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR
 from firmware_bridge.wire.can_error import Loss
+from firmware_bridge.wire.epos2.power_states import STATUSWORDS
 from hil_tests.unit.world.players import Player
 
 ENABLE: Final = (
@@ -68,17 +69,17 @@ def test_an_error_passive_drive_states_so_and_stops_until_communication_is_reset
     bench.wire.disturb(Disturbance(sender="drive", begin=60 * MILLISECOND, count=16))
     bench.until(110)
     assert bench.reported() == [frame(0x8120)]
-    assert bench.state == PowerState.FAULT.value
+    assert bench.state == STATUSWORDS[PowerState.FAULT]
     assert not bench.axis.powered
     bench.until(140)
-    assert bench.state == PowerState.FAULT.value, "a fault reset alone does not reset it"
+    assert bench.state == STATUSWORDS[PowerState.FAULT], "a fault reset alone does not reset it"
     assert bench.drive.store.get(od.ERROR_REGISTER) == 0x10
     bench.until(160)
     assert bench.drive.store.get(od.ERROR_REGISTER) == 0
     for payload in ("0000", "8000"):
         bench.drive.receive(Packet(CAN, 0x000, b"\x01\x01"), bench.world.now)
         bench.drive.receive(Packet(CAN, 0x201, bytes.fromhex(payload)), bench.world.now)
-    assert bench.state == PowerState.SWITCH_ON_DISABLED.value
+    assert bench.state == STATUSWORDS[PowerState.SWITCH_ON_DISABLED]
 
 
 @pytest.mark.emergency(0x81FD)
@@ -90,7 +91,7 @@ def test_a_drive_that_was_off_the_bus_states_so_when_it_is_back() -> None:
         bench.world.run(bench.world.now + MILLISECOND // 10)
         assert bench.world.now < begin + 20 * MILLISECOND
     assert bench.reported() == [], "no one receives it any more"
-    assert bench.state == PowerState.FAULT.value, "it stops all the same"
+    assert bench.state == STATUSWORDS[PowerState.FAULT], "it stops all the same"
     bench.until(100)
     assert bench.reported() == [frame(0x81FD)]
     assert bench.drive.store.get(od.ERROR_HISTORY_COUNT) == 2, (
@@ -107,9 +108,9 @@ def test_an_overrun_is_an_emergency_and_stops_the_drive(loss: Loss, code: int) -
     bench.wire.overrun("drive", loss)
     bench.until(90)
     assert bench.reported() == [frame(code)]
-    assert bench.state == PowerState.FAULT.value
+    assert bench.state == STATUSWORDS[PowerState.FAULT]
     bench.until(120)
-    assert bench.state == PowerState.SWITCH_ON_DISABLED.value
+    assert bench.state == STATUSWORDS[PowerState.SWITCH_ON_DISABLED]
     assert bench.reported()[1:] == ["00" * 8]
 
 
@@ -122,8 +123,8 @@ def test_a_drive_that_cannot_get_rid_of_its_frames_stops_and_keeps_it_in_its_his
     bench.until(75)
     assert bench.state == 0x0137
     bench.until(90)
-    assert bench.state == PowerState.FAULT.value
-    assert bench.drive.store.get(HISTORY[0]) == 0x81FF
+    assert bench.state == STATUSWORDS[PowerState.FAULT]
+    assert bench.drive.store.get(Address(0x1003, 1)) == 0x81FF
     assert bench.drive.store.get(od.ERROR_HISTORY_COUNT) == 1, "reported once, not for every frame"
     bench.until(150)
     assert frame(0x81FF) not in bench.reported(), "its message was one frame too many"

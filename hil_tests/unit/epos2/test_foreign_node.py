@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
 from emulators.epos2.drive import Epos2
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen import sdo
 from firmware_bridge.canopen.address import Address
@@ -16,12 +17,13 @@ from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE
-from firmware_bridge.wire.epos2.objects import OBJECTS
 from hil_tests.lanes import examples
 
 NODE = 5
 PAYLOADS = st.binary(max_size=8)
-OBJECT = st.sampled_from(list(OBJECTS)) | st.builds(Address, st.integers(0, 0xFFFF), st.integers(0, 0xFF))
+OBJECT = st.sampled_from(list(EPOS2_70_10.objects)) | st.builds(
+    Address, st.integers(0, 0xFFFF), st.integers(0, 0xFF)
+)
 OWN = st.sampled_from(
     [base + NODE for base in (0x80, 0x180, 0x200, 0x280, 0x300, 0x400, 0x500, 0x580, 0x600, 0x700)]
     + [0x000, 0x080, 0x100, 0x764, 0x7E5]
@@ -66,7 +68,7 @@ class ForeignNode(RuleBasedStateMachine):
     def read(self, address: Address) -> None:
         answers = self._ask(sdo.encode_upload(address))
         if answers:
-            row = OBJECTS.get(address)
+            row = EPOS2_70_10.objects.get(address)
             message = sdo.decode_response(answers[0])
             if row is None or not row.access.readable:
                 assert isinstance(message, sdo.Abort)
@@ -80,13 +82,13 @@ class ForeignNode(RuleBasedStateMachine):
 
     @rule(address=OBJECT, value=VALUES | st.integers(0, 0xFFFF_FFFF))
     def write_number(self, address: Address, value: int) -> None:
-        row = OBJECTS.get(address)
+        row = EPOS2_70_10.objects.get(address)
         size = row.type.size if row else 4
         self._write(address, (value & (1 << 8 * size) - 1).to_bytes(size, "little"))
 
     def _write(self, address: Address, raw: bytes) -> None:
         answers = self._ask(sdo.encode_download(address, raw))
-        row = OBJECTS.get(address)
+        row = EPOS2_70_10.objects.get(address)
         if answers and (row is None or not row.access.writable):
             assert isinstance(sdo.decode_response(answers[0]), sdo.Abort)
 

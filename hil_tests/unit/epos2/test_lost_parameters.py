@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import pytest
 
-from emulators.epos2.objects.saved_parameters import StorageError
+from emulators.canopen.saved_parameters import StorageError
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from hil_tests.unit.epos2.quiet_motion import Desk

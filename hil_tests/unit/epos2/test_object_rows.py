@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from emulators.epos2.canopen.pdo_settings import RECEIVE, TRANSMIT
+from emulators.canopen.object_store import ObjectStore
+from emulators.canopen.pdo_settings import RECEIVE, TRANSMIT
 from emulators.epos2.control.value_ranges import VALUE_RANGES, ValueRange
-from emulators.epos2.objects.store import ObjectStore
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.canopen.pdo import MappingEntry
-from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.epos2.objects_pdo import PROCESS_OBJECTS
 from hil_tests.rows import Test, every
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
@@ -35,7 +35,7 @@ RESTRICTED = {
     od.CONSUMER_HEARTBEAT_1: "wants a node's number",
     od.CONSUMER_HEARTBEAT_2: "wants a node's number",
 }
-NUMBERS = [row for row in OBJECTS.values() if row.type.size]
+NUMBERS = [row for row in EPOS2_70_10.objects.values() if row.type.size]
 FREE = [row for row in NUMBERS if row.access.writable and row.address not in RESTRICTED]
 BOUNDED = [row for row in FREE if (row.minimum, row.maximum) != (None, None)]
 
@@ -62,7 +62,7 @@ def refusal(store: ObjectStore, address: Address, raw: bytes) -> AbortCode:
     return caught.value.code
 
 
-@rows(list(OBJECTS.values()))
+@rows(list(EPOS2_70_10.objects.values()))
 def test_a_row_can_be_read_as_its_access_states(row: ObjectRow) -> None:
     if not row.access.readable:
         with pytest.raises(SdoAbort) as caught:
@@ -77,7 +77,7 @@ def test_a_row_can_be_read_as_its_access_states(row: ObjectRow) -> None:
         assert raw == (default if isinstance(default, bytes) else row.type.encode(default))
 
 
-@rows([row for row in OBJECTS.values() if not row.access.writable])
+@rows([row for row in EPOS2_70_10.objects.values() if not row.access.writable])
 def test_a_constant_or_read_only_row_refuses_writing(row: ObjectRow) -> None:
     assert refusal(fresh(), row.address, bytes(row.type.size or 1)) is AbortCode.READ_ONLY
 
@@ -135,7 +135,7 @@ def blank() -> Desk:
 @every("rule", VALUE_RANGES, ids=lambda rule: rule.address)
 def test_a_rule_lets_through_what_it_lists_and_nothing_else(rule: ValueRange) -> None:
     store = powered().store
-    kind = OBJECTS[rule.address].type
+    kind = EPOS2_70_10.objects[rule.address].type
     allowed = rule.allowed
     few: Collection[int] = allowed
     if isinstance(allowed, range) and len(allowed) > 1 << 16:
@@ -143,7 +143,7 @@ def test_a_rule_lets_through_what_it_lists_and_nothing_else(rule: ValueRange) ->
     for value in few:
         store.write(rule.address, kind.encode(value))
         assert store.get(rule.address) == value
-    low, high = OBJECTS[rule.address].bounds
+    low, high = EPOS2_70_10.objects[rule.address].bounds
     for value in (min(few) - 1, max(few) + 1, 5):
         if low <= value <= high and value not in rule.allowed:
             assert refusal(store, rule.address, kind.encode(value)) is AbortCode.RANGE
@@ -151,12 +151,12 @@ def test_a_rule_lets_through_what_it_lists_and_nothing_else(rule: ValueRange) ->
 
 
 def test_every_restricted_object_exists() -> None:
-    assert set(RESTRICTED) <= set(OBJECTS)
+    assert set(RESTRICTED) <= set(EPOS2_70_10.objects)
 
 
 def test_a_domain_takes_any_bytes_up_to_its_end(store: ObjectStore) -> None:
     recorder = Address(0x201B)
-    assert OBJECTS[recorder].type is DataType.DOMAIN
+    assert EPOS2_70_10.objects[recorder].type is DataType.DOMAIN
     store.write(recorder, bytes(4096))
     assert store.read(recorder) == bytes(4096)
     assert refusal(store, recorder, bytes(4097)) is AbortCode.OUT_OF_MEMORY

@@ -5,8 +5,8 @@ Sources: EPOS Firmware Specification (by analogy); CiA 305 for the frames of lay
 
 import pytest
 
+from emulators.canopen.saved_parameters import Volatile
 from emulators.epos2.objects.device_profile import EPOS2_70_10
-from emulators.epos2.objects.saved_parameters import Volatile
 from firmware_bridge.units import MILLISECOND
 from hil_tests.unit.epos2.quiet_motion import Desk
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from emulators.epos2.objects.saved_parameters import StorageError
+from emulators.canopen.saved_parameters import StorageError
 from emulators.storage import ParameterFile
 from firmware_bridge.canopen.address import Address
 from hil_tests.unit.epos2.quiet_motion import Desk
@@ -59,9 +59,9 @@ WRITER = """
 import sys
 from pathlib import Path
 from emulators.storage import ParameterFile
-from firmware_bridge.wire.epos2.objects import OBJECTS
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 file = ParameterFile(Path(sys.argv[1]))
-numbers = [address for address, row in OBJECTS.items() if row.type.size]
+numbers = [address for address, row in EPOS2_70_10.objects.items() if row.type.size]
 turn = int(sys.argv[2])
 while True:
     turn += 1

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.objects.device_profile import EPOS2_70_10
-from emulators.epos2.objects.store import ObjectStore
 from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.address import Address
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
@@ -179,4 +179,4 @@ def test_an_answer_that_takes_time_is_lost_when_the_drive_is_stopped() -> None:
 
 def test_a_store_refuses_a_default_for_an_object_that_does_not_exist() -> None:
     with pytest.raises(ValueError, match="0x5555"):
-        ObjectStore(1, {Address(0x5555): 0})
+        ObjectStore(EPOS2_70_10.objects, 1, {Address(0x5555): 0})

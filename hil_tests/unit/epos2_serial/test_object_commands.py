@@ -2,7 +2,7 @@
 
 import pytest
 
-from emulators.epos2.objects.saved_parameters import SAVE
+from emulators.canopen.saved_parameters import SAVE
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.cia301 import NmtState

@@ -2,8 +2,8 @@
 
 import pytest
 
+from emulators.canopen.saved_parameters import SAVE
 from emulators.epos2.objects.device_profile import BAUDS
-from emulators.epos2.objects.saved_parameters import SAVE
 from emulators.wires.serial import received_as
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, SECOND, Nanoseconds

@@ -16,7 +16,6 @@ from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import REMOTE, frame_bits
-from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.frame import Frame, Generation, encode_v1, encode_v2
 from firmware_bridge.wire.maxon.opcodes import COMMANDS, encode_request
@@ -27,7 +26,9 @@ NODE = 5
 LONGEST = 500
 """The largest time-out in ms that the third party knows how to set."""
 
-OBJECT = st.sampled_from(list(OBJECTS)) | st.builds(Address, st.integers(0, 0xFFFF), st.integers(0, 0xFF))
+OBJECT = st.sampled_from(list(EPOS2_70_10.objects)) | st.builds(
+    Address, st.integers(0, 0xFFFF), st.integers(0, 0xFF)
+)
 NODES = st.sampled_from([0, NODE, NODE, 7, 128, 255])
 FOUR = st.binary(min_size=4, max_size=4) | st.sampled_from([b"save", b"load", bytes(4), b"\x06\0\0\0"])
 WORD = st.integers(0, 0xFFFF)

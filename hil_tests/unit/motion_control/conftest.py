@@ -5,9 +5,10 @@ from dataclasses import dataclass, field
 
 import pytest
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.control.motion_control import MotionControl
 from emulators.epos2.control.power_states import Delays
-from emulators.epos2.objects.store import ObjectStore
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import DcMotor, DcMotors
@@ -17,7 +18,6 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.objects import OBJECTS
 
 # maxon RE25 20 W, values from memory of the catalog (assumed), with a small load.
 STEERING = DcMotor(2.32, 0.238e-3, 0.0234, 1.3e-6, friction=1.5e-3, damping=4e-7)
@@ -56,7 +56,7 @@ class Drive:
     """Each statusword that differed from the one before."""
 
     def write(self, address: Address, value: int) -> None:
-        size = OBJECTS[address].type.size
+        size = EPOS2_70_10.objects[address].type.size
         self.store.write(address, (value & (1 << 8 * size) - 1).to_bytes(size, "little"))
         self._look()
         self.control.refresh(self.now)
@@ -133,7 +133,7 @@ def make_drive(
     plant = DcMotors((motor,))
     axis = ServoAxis("steer", 2000)
     bank = ServoBank(plant, [axis])
-    store = ObjectStore(3, SETTINGS)
+    store = ObjectStore(EPOS2_70_10.objects, 3, SETTINGS)
     reported: list[int] = []
     control = MotionControl(store, axis, reported.append, delays, each_write_counts=each_write_counts)
     drive = Drive(store, axis, plant, bank, control, reported)

@@ -7,10 +7,11 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
 from emulators.epos2.modes.homing_methods import METHODS
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import SdoAbort
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import PowerState, state_of
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import (
     INPUT_EXECUTION,
@@ -19,7 +20,7 @@ from firmware_bridge.wire.epos2.functions import (
     OUTPUT_PINS,
     OUTPUT_STATE,
 )
-from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.power_states import state_of
 from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import Drive, make_drive
 
@@ -32,7 +33,7 @@ POWERED = {
 WRITABLE = sorted(
     (
         address
-        for address, row in OBJECTS.items()
+        for address, row in EPOS2_70_10.objects.items()
         if row.access.writable and row.type.size and address.index >= 0x2008
     ),
 )
@@ -79,7 +80,7 @@ class ForeignNode(RuleBasedStateMachine):
 
     @rule(address=st.sampled_from(WRITABLE), raw=st.binary(min_size=0, max_size=9))
     def any_object(self, address: Address, raw: bytes) -> None:
-        size = OBJECTS[address].type.size
+        size = EPOS2_70_10.objects[address].type.size
         with suppress(SdoAbort):
             self.drive.store.write(address, raw[:size].ljust(size, b"\0"))
         self.drive.control.refresh(self.drive.now)

@@ -4,8 +4,9 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.control.motion_control import MotionControl
-from emulators.epos2.objects.store import ObjectStore
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
 from firmware_bridge.canopen import objects as od
@@ -66,7 +67,8 @@ class Rars:
         self.bank = ServoBank(self.plant, axes, supply=outputs.index("battery_voltage"))
         self.reported: list[tuple[str, int]] = []
         self.stores = {
-            axis.name: ObjectStore(Epos2Axis.of(axis).node, objects_of(axis)) for axis in robot.axes
+            axis.name: ObjectStore(EPOS2_70_10.objects, Epos2Axis.of(axis).node, objects_of(axis))
+            for axis in robot.axes
         }
         self.drives = {
             name: MotionControl(self.stores[name], self.axes[name], self._reporter(name)) for name in names

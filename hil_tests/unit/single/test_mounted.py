@@ -8,7 +8,8 @@ from typer.testing import CliRunner
 
 from emulators.documents.eds import dcf
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.epos2.objects.saved_parameters import is_parameter
+from emulators.epos2.objects.device_profile import EPOS2_70_10
+from emulators.epos2.objects.parameters import is_parameter
 from emulators.fittings import Encoder, FittingError, encoder, gear
 from emulators.motors import MotorError, catalogue, motor
 from emulators.mounted import Mounted, ShaftLoad
@@ -24,7 +25,6 @@ from firmware_bridge.runtime.data_sheets import SheetError, configured
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.differences import ANY_TYPE
-from firmware_bridge.wire.epos2.objects import OBJECTS
 from hil_tests.rows import every
 from hil_tests.unit.world.players import Player
 
@@ -63,7 +63,7 @@ def turned(mounted: Mounted, settings: dict[Address, int]) -> Came:
 
 
 def _write(address: Address, value: int) -> tuple[int, str]:
-    size = OBJECTS[address].type.size
+    size = EPOS2_70_10.objects[address].type.size
     command = {1: 0x2F, 2: 0x2B, 4: 0x23}[size]
     raw = (value & (1 << 8 * size) - 1).to_bytes(size, "little").ljust(4, b"\0")
     return 0x601, bytes((command, *address.index.to_bytes(2, "little"), address.subindex, *raw)).hex()
@@ -233,7 +233,9 @@ def test_a_configuration_file_is_what_the_drive_begins_with(tmp_path: Path) -> N
             (5,),
             PROFILES["70/10"],
             1_000_000,
-            commissioned={key: value for key, value in read.items() if is_parameter(OBJECTS[key])},
+            commissioned={
+                key: value for key, value in read.items() if is_parameter(EPOS2_70_10.objects[key])
+            },
         )
     )
     drive = made["motor5"]

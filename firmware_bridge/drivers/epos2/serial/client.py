@@ -12,7 +12,7 @@ from firmware_bridge.canopen.sdo_client import Outcome, SdoRefusedError, SdoTime
 from firmware_bridge.drivers.epos2.serial.exchange import Job, LineExchange, Rank, Result, succeeded
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.differences import ANY_TYPE
 from firmware_bridge.wire.maxon.frame import Failure
 from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, Request, WriteObject
 
@@ -38,7 +38,7 @@ def writing(node: int, address: Address, raw: bytes) -> WriteObject:
 def value_in(address: Address, answer: ObjectRead) -> bytes:
     """Return an object's value in an answer; the bytes beyond its size mean nothing."""
     # An answer always has four bytes; those behind the object's size are random.
-    return answer.raw[: OBJECTS[address].type.size or RAW]
+    return answer.raw[: ANY_TYPE[address].type.size or RAW]
 
 
 def silent(result: Result) -> bool:

@@ -9,7 +9,7 @@ from typing import Final
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import Status, state_of
+from firmware_bridge.canopen.cia402 import Status
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.drivers.epos2.feedback import DriveFeedback
 from firmware_bridge.drivers.epos2.scale import wrapped
@@ -17,6 +17,7 @@ from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.power_states import state_of
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,8 +22,8 @@ from firmware_bridge.robot import AnyRobot, Axis, CommandForm
 from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis, Epos2Link, nodes_on
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.differences import ANY_TYPE
 from firmware_bridge.wire.epos2.functions import OUTPUT_STATE
-from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.maxon.frame import ANSWER, Frame, Generation, encode_v1, encode_v2
 from firmware_bridge.wire.maxon.messages import Request
 from firmware_bridge.wire.maxon.opcodes import encode_request, row_of
@@ -171,7 +171,7 @@ def _at_pins(robot: AnyRobot, name: str, axes: Sequence[Axis]) -> Iterator[LineC
     for sensor in robot.sensors:
         if sensor.link == name:
             address = Address(at.ANALOGUE_INPUT_1.index, Epos2AnalogueInput.of(sensor).input)
-            row = ReadRow(address, OBJECTS[address].type, sensor.name)
+            row = ReadRow(address, ANY_TYPE[address].type, sensor.name)
             yield _read(link, row, by_name[Epos2AnalogueInput.of(sensor).axis])
 
 

@@ -1,15 +1,15 @@
-"""Error control: heartbeat producer, two heartbeat consumers, node guarding.
+"""Error control: heartbeat producer, heartbeat consumers, node guarding.
 
-Sources: CiA 301 v4.02, error control; EPOS2 Application Notes, p. 158; EPOS Firmware Specification, by
-analogy. Where they are silent: the first heartbeat leaves as soon as the period is written; a boot-up
-message is no heartbeat; a watch that ended in silence begins again with the next heartbeat; a time that is
-written once more as it stands changes nothing: it ends no watch, and shifts no heartbeat.
+Source: CiA 301 v4.02, error control. Where it is silent: the first heartbeat leaves as soon as the period is
+written; a boot-up message is no heartbeat; a watch that ended in silence begins again with the next
+heartbeat; a time that is written once more as it stands changes nothing: it ends no watch, and shifts no
+heartbeat.
 """
 
 from functools import partial
 from typing import Final
 
-from emulators.epos2.objects.store import ObjectStore
+from emulators.canopen.object_store import ObjectStore
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
@@ -18,12 +18,12 @@ from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
 GUARD_TIME: Final = Address(0x100C)
 LIFE_TIME_FACTOR: Final = Address(0x100D)
-CONSUMERS: Final = (od.CONSUMER_HEARTBEAT_1, od.CONSUMER_HEARTBEAT_2)
+CONSUMERS: Final = 0x1016
 TIME_MASK: Final = 0xFFFF
 
 
 class Producer:
-    """Heartbeat producer of the drive."""
+    """Heartbeat producer of the device."""
 
     def __init__(self, *, toggles: bool) -> None:
         self._toggles = toggles
@@ -112,29 +112,33 @@ class ErrorControl:
         self._store = store
         self.producer = Producer(toggles=toggles)
         self.guard = Guard()
-        self.consumers = (Consumer(), Consumer())
+        self._watches: Final = {address: Consumer() for address in store.objects.entries(CONSUMERS)}
+        self.consumers: Final[tuple[Consumer, ...]] = tuple(self._watches.values())
         self._touched = False
         store.on_write(od.PRODUCER_HEARTBEAT, self._take_period)
         for address in (GUARD_TIME, LIFE_TIME_FACTOR):
             store.on_write(address, partial(self._take_guarding, address))
-        for place in range(len(CONSUMERS)):
-            store.on_write(CONSUMERS[place], partial(self._take_consumer, place))
+        for address in self._watches:
+            store.on_write(address, partial(self._take_consumer, address))
 
     def begin(self, now: Nanoseconds) -> None:
         """Start again after boot-up with what the objects hold."""
         store = self._store
         self.producer.configure(store.get(od.PRODUCER_HEARTBEAT))
         self.producer.begin(now)
-        self.guard.configure(store.get(GUARD_TIME), store.get(LIFE_TIME_FACTOR))
+        # Node guarding is optional (CiA 301): a device may have neither object.
+        if GUARD_TIME in store.objects:
+            self.guard.configure(store.get(GUARD_TIME), store.get(LIFE_TIME_FACTOR))
         self.guard.begin()
-        for consumer, address in zip(self.consumers, CONSUMERS, strict=True):
+        for address, consumer in self._watches.items():
             consumer.configure(store.get(address))
         self._touched = True
 
     def rest(self) -> None:
         """Fall silent until the next boot-up."""
-        for each in (self.producer, self.guard, *self.consumers):
-            each.due = NEVER
+        self.producer.due = self.guard.due = NEVER
+        for consumer in self.consumers:
+            consumer.due = NEVER
 
     @property
     def due(self) -> Nanoseconds:
@@ -164,7 +168,8 @@ class ErrorControl:
         """Return True if a supervision has just timed out; each timeout is reported once."""
         if self.due > now:
             return False
-        silent = [watch for watch in (*self.consumers, self.guard) if watch.due <= now]
+        watches: tuple[Consumer | Guard, ...] = (*self.consumers, self.guard)
+        silent = [watch for watch in watches if watch.due <= now]
         for watch in silent:
             watch.due = NEVER
         return bool(silent)
@@ -185,15 +190,15 @@ class ErrorControl:
             # Heartbeat has priority: guarding is disabled with it.
             self.guard.begin()
 
-    def _take_consumer(self, place: int, word: int) -> None:
-        address, other = CONSUMERS[place], CONSUMERS[1 - place]
-        node, elsewhere = word >> 16, self._store.get(other)
+    def _take_consumer(self, address: Address, word: int) -> None:
+        node = word >> 16
         if node > LAST_NODE:
             raise SdoAbort(AbortCode.RANGE, address)
+        others = [self._store.get(each) for each in self._watches if each != address]
         # CiA 301: two monitors for one node are refused with 0x06040043.
-        if node and word & TIME_MASK and elsewhere & TIME_MASK and node == elsewhere >> 16:
+        if node and word & TIME_MASK and any(it & TIME_MASK and node == it >> 16 for it in others):
             raise SdoAbort(AbortCode.PARAMETER_CLASH, address)
         # Written once more as it is, it must not end a monitor that waits.
         if word != self._store.get(address):
-            self.consumers[place].configure(word)
+            self._watches[address].configure(word)
             self._touched = True

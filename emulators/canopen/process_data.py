@@ -1,28 +1,25 @@
-"""Process data of one drive: what its PDOs carry and when they leave, made ready once per change of settings.
+"""Process data of one device: contents and instants of its PDOs, made ready once per change of settings.
 
-Source: CiA 301 v4.02, process data objects; the EPOS2 knows the transmission types 1, 253 and 255 (EPOS
-Firmware Specification, by analogy; type 253 and remote requests recorded from an EPOS2). Where they are
-silent: at a SYNC transmit PDOs are sampled before receive PDOs are taken over; a value that its object
-refuses is dropped and the PDO's other values count; a PDO without entries is silent; remote requests know no
-inhibit time.
+Source: CiA 301 v4.02, process data objects. Where it is silent: at a SYNC transmit PDOs are sampled before
+receive PDOs are taken over; a value that its object refuses is dropped and the PDO's other values count; a
+PDO without entries is silent; remote requests know no inhibit time.
 """
 
 from collections.abc import Callable
 from functools import partial
 from typing import Final, TypeAlias
 
-from emulators.epos2.canopen.pdo_settings import ON_CHANGE, RECEIVE, SYNCHRONOUS, TRANSMIT, PdoSettings
-from emulators.epos2.objects.device_profile import DeviceProfile
-from emulators.epos2.objects.store import ObjectStore
+from emulators.canopen.object_store import ObjectStore
+from emulators.canopen.pdo_settings import RECEIVE, TRANSMIT, PdoSettings
+from emulators.canopen.product import ON_CHANGE, SYNCHRONOUS, Product
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import SdoAbort
 from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.can import REMOTE
-from firmware_bridge.wire.epos2.objects_pdo import PDOS
 
 EVENT_DRIVEN: Final = frozenset({od.STATUSWORD, od.MODE_DISPLAY})
-"""Objects that change only when the drive is awake; every other one moves by itself."""
+"""Objects that change only when the device is awake; every other one moves by itself."""
 
 
 class ReceivePdo:
@@ -138,25 +135,19 @@ FrameHandler: TypeAlias = Callable[[bytes, Nanoseconds], None]
 class ProcessData:
     """The PDOs that `PdoSettings` describe, built again after each change of those."""
 
-    def __init__(self, store: ObjectStore, profile: DeviceProfile, state: Callable[[], NmtState]) -> None:
+    def __init__(self, store: ObjectStore, product: Product, state: Callable[[], NmtState]) -> None:
         self._store = store
-        self._profile = profile
+        self._product = product
         self._state = state
         self._touched: list[int] = []
-        self._receive: list[ReceivePdo | None] = [None] * PDOS
-        self._transmit: list[TransmitPdo | None] = [None] * PDOS
+        owned = [(each, number) for each in (RECEIVE, TRANSMIT) for number in each.numbers(store)]
         self._settings = tuple(
-            PdoSettings(
-                store,
-                direction,
-                number,
-                state,
-                self._toucher(PDOS * (direction is TRANSMIT) + number),
-                needs_invalid=profile.mapping_needs_invalid_pdo,
-            )
-            for direction in (RECEIVE, TRANSMIT)
-            for number in range(PDOS)
+            PdoSettings(store, each, number, product, state=state, touched=self._toucher(place))
+            for place, (each, number) in enumerate(owned)
         )
+        self._receivers: Final = len(RECEIVE.numbers(store))
+        self._receive: list[ReceivePdo | None] = [None] * self._receivers
+        self._transmit: list[TransmitPdo | None] = [None] * (len(owned) - self._receivers)
         self.receive: tuple[ReceivePdo, ...] = ()
         """Valid receive PDOs."""
         self.transmit: tuple[TransmitPdo, ...] = ()
@@ -173,7 +164,7 @@ class ProcessData:
 
     def touch_all(self) -> None:
         """Mark every PDO to be built again: its objects changed without hooks."""
-        self._touched.extend(range(2 * PDOS))
+        self._touched.extend(range(len(self._settings)))
 
     def renew(self) -> bool:
         """Make the touched PDOs ready; True when there were any."""
@@ -181,10 +172,10 @@ class ProcessData:
             return False
         for place in sorted(set(self._touched)):
             settings = self._settings[place]
-            if place < PDOS:
+            if place < self._receivers:
                 self._receive[place] = self._receiver(settings)
             else:
-                self._transmit[place - PDOS] = self._transmitter(settings)
+                self._transmit[place - self._receivers] = self._transmitter(settings)
         self._touched.clear()
         self.receive = tuple(pdo for pdo in self._receive if pdo)
         self.transmit = tuple(pdo for pdo in self._transmit if pdo)
@@ -196,15 +187,15 @@ class ProcessData:
     def _receiver(self, settings: PdoSettings) -> ReceivePdo | None:
         if not settings.valid or not settings.cells():
             return None
-        return ReceivePdo(settings, accepts_long=self._profile.accepts_long_pdo)
+        return ReceivePdo(settings, accepts_long=self._product.accepts_long_pdo)
 
     def _transmitter(self, settings: PdoSettings) -> TransmitPdo | None:
         if not settings.valid or not settings.cells():
             return None
-        pdo = TransmitPdo(settings, self._profile.poll)
+        pdo = TransmitPdo(settings, self._product.poll)
         # A PDO that becomes valid in Operational begins as if the node had just entered it.
         if self._state() is NmtState.OPERATIONAL:
-            pdo.begin(sends=self._profile.sends_on_start)
+            pdo.begin(sends=self._product.sends_on_start)
         return pdo
 
     def routes(
@@ -216,7 +207,7 @@ class ProcessData:
         """Return the identifiers that count in Operational, with their handlers; PDOs may share one."""
         routes: dict[int, FrameHandler] = {}
         for sent in self.transmit:
-            # A data frame with the drive's own transmit COB-ID has another sender: EMCY 8150.
+            # A data frame with the device's own transmit COB-ID has another sender: EMCY 8150.
             routes[sent.address] = collision
             if sent.answers_remote:
                 routes[sent.address | REMOTE] = partial(request, sent)
@@ -230,7 +221,7 @@ class ProcessData:
         """Enter Operational."""
         self.renew()
         for pdo in self.transmit:
-            pdo.begin(sends=self._profile.sends_on_start)
+            pdo.begin(sends=self._product.sends_on_start)
 
     def rest(self) -> None:
         """Leave Operational: nothing waits any longer."""

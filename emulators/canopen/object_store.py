@@ -1,7 +1,7 @@
-"""The object store of one drive: every object's value behind the checks that a bus client meets.
+"""The object store of one device: every object's value behind the checks that a bus client meets.
 
 Two doors: `read` and `write` for clients, with the table's access, size and range; `get` and `set` for the
-drive itself. It does not interpret values; the code that does installs a hook.
+device itself. It does not interpret values; the code that does installs a hook.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -12,8 +12,8 @@ from typing import Final
 
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.object_dictionary import ObjectDictionary
 from firmware_bridge.canopen.object_row import ObjectRow
-from firmware_bridge.wire.epos2.objects import OBJECTS
 
 LARGEST_DOMAIN: Final = 4096
 """Capacity of a domain in bytes (assumed: no limit is documented)."""
@@ -31,22 +31,21 @@ class Cell:
 
 
 class ObjectStore:
-    """All objects of one drive."""
+    """All objects of one device."""
 
     def __init__(
         self,
+        objects: ObjectDictionary,
         node_id: int = 1,
         differing: Mapping[Address, int | bytes] = MappingProxyType({}),
         bounds: Mapping[Address, tuple[int, int]] = MappingProxyType({}),
-        objects: Mapping[Address, ObjectRow] = OBJECTS,
     ) -> None:
-        """Fill the store with the defaults of the drive `node_id`; `differing` replaces some of them.
+        """Fill the store with the defaults of the device `node_id`; `differing` replaces some of them.
 
-        `bounds` replaces the table's range of some objects; `objects` are those of its type.
+        `bounds` replaces the dictionary's range of some objects.
         """
         self.node_id = node_id
         self.objects: Final = objects
-        self._indexes: Final = frozenset(address.index for address in objects)
         self._differing = dict(differing)
         unknown = [str(address) for address in self._differing if address not in objects]
         if unknown:
@@ -54,7 +53,7 @@ class ObjectStore:
         own = {row.address: row.bounds for row in objects.values() if row.type.size}
         self._bounds = MappingProxyType({**own, **bounds})
         self.changes = 0
-        """Number of times that the drive itself has changed a number."""
+        """Number of times that the device itself has changed a number."""
         self.requested = False
         """True if the value being taken was written by a request, by SDO or serial, not in a PDO."""
         self._numbers: dict[Address, int] = {}
@@ -114,11 +113,11 @@ class ObjectStore:
         row = self.objects.get(address)
         if row is None:
             # CiA 301 distinguishes a missing sub-index (0x06090011) from a missing object (0x06020000).
-            missing = AbortCode.NO_SUBINDEX if address.index in self._indexes else AbortCode.NO_OBJECT
+            missing = AbortCode.NO_SUBINDEX if self.objects.subindexes(address.index) else AbortCode.NO_OBJECT
             raise SdoAbort(missing, address)
         return row
 
-    # Inside the drive
+    # Inside the device
 
     def get(self, address: Address) -> int:
         """Return the stored value of a number, whatever its access."""
@@ -165,7 +164,7 @@ class ObjectStore:
     # Defaults
 
     def default(self, address: Address) -> int | bytes:
-        """Return an object's default in this drive."""
+        """Return an object's default in this device."""
         given = self._differing.get(address)
         return self.objects[address].default_for(self.node_id) if given is None else given
 

@@ -1,9 +1,9 @@
 """The objects that shape one PDO, and what may be written to them when.
 
-Sources: EPOS Firmware Specification (by analogy) and EDS: a mapping changes only in Pre-Operational, with the
-PDO invalid and the number of entries 0; entries have the mapped object's own length; COB-IDs 0x181 to 0x57F.
-Where they are silent: COB-ID, transmission type and inhibit time may change in any state that has SDO; an
-invalid PDO or a number of entries that is not 0 refuses a new entry with 0x06010000.
+Source: CiA 301 v4.02: a mapping changes only in Pre-Operational, with the PDO invalid and the number of
+entries 0; entries have the mapped object's own length; COB-IDs 0x181 to 0x57F. Where it is silent: COB-ID,
+transmission type and inhibit time may change in any state that has SDO; a valid PDO or a number of entries
+that is not 0 refuses a new entry with 0x06010000.
 """
 
 from collections.abc import Callable
@@ -11,23 +11,24 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
-from emulators.epos2.objects.store import Cell, ObjectStore
+from emulators.canopen.object_store import Cell, ObjectStore
+from emulators.canopen.product import Product
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import COB_ID_INVALID, COB_ID_MASK, COB_ID_NO_REMOTE, NmtState
 from firmware_bridge.canopen.object_row import ObjectRow
-from firmware_bridge.canopen.pdo import MAX_BITS, MAX_ENTRIES, Layout, MappingEntry
-from firmware_bridge.units import MICROSECOND, Nanoseconds
-from firmware_bridge.wire.epos2.objects_pdo import (
+from firmware_bridge.canopen.pdo import (
+    MAX_BITS,
+    MOST_PDOS,
     RECEIVE_MAPPING,
     RECEIVE_PARAMETER,
     TRANSMIT_MAPPING,
     TRANSMIT_PARAMETER,
+    Layout,
+    MappingEntry,
 )
+from firmware_bridge.units import MICROSECOND, Nanoseconds
 
-SYNCHRONOUS: Final = 1
-ON_REQUEST: Final = 253
-ON_CHANGE: Final = 255
 FIRST_COB_ID: Final = 0x181
 LAST_COB_ID: Final = 0x57F
 INHIBIT_UNIT: Final[Nanoseconds] = 100 * MICROSECOND
@@ -35,29 +36,29 @@ INHIBIT_UNIT: Final[Nanoseconds] = 100 * MICROSECOND
 
 @dataclass(frozen=True, slots=True)
 class PdoDirection:
-    """Common properties of the four PDOs of one direction."""
+    """Common properties of the PDOs of one direction."""
 
     parameter: int
+    """First index of the communication parameters."""
     mapping: int
-    types: frozenset[int]
-    """Transmission types that the drive knows."""
+    """First index of the mappings."""
     carries: Callable[[ObjectRow], bool]
-    has_inhibit: bool
+    types: Callable[[Product], frozenset[int]]
+
+    def numbers(self, store: ObjectStore) -> tuple[int, ...]:
+        """Return the PDOs that a device has, counted from 0."""
+        first = self.parameter
+        return tuple(it - first for it in store.objects.indexes if first <= it < first + MOST_PDOS)
 
 
 RECEIVE: Final = PdoDirection(
-    RECEIVE_PARAMETER,
-    RECEIVE_MAPPING,
-    frozenset({SYNCHRONOUS, ON_CHANGE}),
-    lambda row: row.receivable,
-    has_inhibit=False,
+    RECEIVE_PARAMETER, RECEIVE_MAPPING, lambda row: row.receivable, lambda product: product.receive_types
 )
 TRANSMIT: Final = PdoDirection(
     TRANSMIT_PARAMETER,
     TRANSMIT_MAPPING,
-    frozenset({SYNCHRONOUS, ON_REQUEST, ON_CHANGE}),
     lambda row: row.transmittable,
-    has_inhibit=True,
+    lambda product: product.transmit_types,
 )
 
 
@@ -69,28 +70,31 @@ class PdoSettings:
         store: ObjectStore,
         direction: PdoDirection,
         number: int,
+        product: Product,
+        *,
         state: Callable[[], NmtState],
         touched: Callable[[], None],
-        *,
-        needs_invalid: bool,
     ) -> None:
         """Attach to the store; `number` counts from 0; `touched` is called before each change."""
         self._store = store
         self._direction = direction
         self._state = state
         self._touched = touched
-        self._needs_invalid = needs_invalid
+        self._types = direction.types(product)
+        self._needs_invalid = product.mapping_needs_invalid_pdo
+        self._wrong_nmt_state = product.wrong_nmt_state
         self._cob_id = Address(direction.parameter + number, 1)
         self._type = Address(direction.parameter + number, 2)
         self._inhibit = Address(direction.parameter + number, 3)
         self._count = Address(direction.mapping + number, 0)
-        self._entries = tuple(Address(direction.mapping + number, place + 1) for place in range(MAX_ENTRIES))
+        self._entries = store.objects.entries(direction.mapping + number)
         store.on_write(self._cob_id, self._take_cob_id)
         store.on_write(self._type, self._take_type)
         store.on_write(self._count, self._take_count)
         for address in self._entries:
             store.on_write(address, partial(self._take_entry, address))
-        if direction.has_inhibit:
+        self._has_inhibit = self._inhibit in store.objects
+        if self._has_inhibit:
             store.on_write(self._inhibit, lambda _: touched())
 
     # What the PDO is at present
@@ -118,7 +122,7 @@ class PdoSettings:
     @property
     def inhibit(self) -> Nanoseconds:
         """The least time between two messages."""
-        return self._store.get(self._inhibit) * INHIBIT_UNIT if self._direction.has_inhibit else 0
+        return self._store.get(self._inhibit) * INHIBIT_UNIT if self._has_inhibit else 0
 
     def cells(self) -> tuple[Cell, ...]:
         """Return the mapped objects in their order."""
@@ -140,13 +144,13 @@ class PdoSettings:
         self._touched()
 
     def _take_type(self, transmission: int) -> None:
-        if transmission not in self._direction.types:
+        if transmission not in self._types:
             raise SdoAbort(AbortCode.RANGE, self._type)
         self._touched()
 
     def _check_mappable(self, address: Address) -> None:
         if self._state() is not NmtState.PRE_OPERATIONAL:
-            raise SdoAbort(AbortCode.WRONG_NMT_STATE, address)
+            raise SdoAbort(self._wrong_nmt_state, address)
         if self._needs_invalid and self.valid:
             raise SdoAbort(AbortCode.UNSUPPORTED_ACCESS, address)
 

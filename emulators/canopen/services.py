@@ -1,56 +1,56 @@
-"""The CANopen services of one drive: which identifiers count in a network state, and what their frames do.
+"""The CANopen services of one device: which identifiers count in a network state, and what their frames do.
 
-Source: CiA 301 v4.02. Not known here: how the drive starts and by which command its state changes.
+Source: CiA 301 v4.02. Not known here: how the device starts and by which command its state changes.
 """
 
 from collections.abc import Callable
 from functools import partial
 from typing import Final
 
-from emulators.epos2.canopen.bus_errors import REPORTS, emergencies_of
-from emulators.epos2.canopen.emergency_producer import EmergencyProducer
-from emulators.epos2.canopen.heartbeat import ErrorControl
-from emulators.epos2.canopen.high_resolution_clock import HighResolutionClock
-from emulators.epos2.canopen.identity import Identity
-from emulators.epos2.canopen.motion_protocol import MotionProtocol
-from emulators.epos2.canopen.nmt import SERVICES, NodeService
-from emulators.epos2.canopen.process_data import FrameHandler, ProcessData, ReceivePdo, TransmitPdo
-from emulators.epos2.canopen.sdo_server import SdoServer
-from emulators.epos2.canopen.transmit_queue import TransmitQueue
-from emulators.epos2.objects.device_profile import DeviceProfile
-from emulators.epos2.objects.store import ObjectStore
+from emulators.canopen.application import Application
+from emulators.canopen.bus_errors import REPORTS, BusError, errors_in
+from emulators.canopen.emergency_producer import EmergencyProducer
+from emulators.canopen.heartbeat import ErrorControl
+from emulators.canopen.identity import Identity
+from emulators.canopen.nmt import SERVICES, NodeService
+from emulators.canopen.object_store import ObjectStore
+from emulators.canopen.process_data import FrameHandler, ProcessData, ReceivePdo, TransmitPdo
+from emulators.canopen.product import Product
+from emulators.canopen.sdo_server import SdoServer
+from emulators.canopen.transmit_queue import TransmitQueue
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.can import REMOTE
-from firmware_bridge.wire.epos2 import emergency
 
 
 class Services:
-    """SDO server, PDOs, SYNC, emergency and error control of one drive, with motion control behind them."""
+    """SDO server, PDOs, SYNC, emergency and error control of one device, with its application behind them."""
 
     def __init__(
         self,
         store: ObjectStore,
-        profile: DeviceProfile,
+        product: Product,
         identity: Identity,
         transmit: TransmitQueue,
+        application: Application,
         *,
         send: Callable[[int, bytes], None],
-        motion: Callable[[Callable[[int], None]], MotionProtocol],
+        synchronize: Callable[[Nanoseconds], None],
     ) -> None:
-        """`send` puts a frame on the bus; `motion` makes motion control that reports its errors here."""
+        """`send` puts a frame on the bus; `synchronize` takes the time of each SYNC."""
+        self._product = product
+        self._application = application
+        self._synchronize = synchronize
         self._identity = identity
         self._transmit = transmit
         self._send = send
         self.state = NmtState.BOOT_UP
         """The network state."""
-        self.emergency: Final = EmergencyProducer(store, reports_reset=profile.reports_reset)
+        self.emergency: Final = EmergencyProducer(store, product)
         self._sdo = SdoServer(store)
-        self._clock = HighResolutionClock(store)
-        self.errors: Final = ErrorControl(store, toggles=profile.heartbeat_toggles)
-        self.pdo: Final = ProcessData(store, profile, lambda: self.state)
-        self.motion: Final = motion(self._report)
+        self.errors: Final = ErrorControl(store, toggles=product.heartbeat_toggles)
+        self.pdo: Final = ProcessData(store, product, lambda: self.state)
 
     @property
     def due(self) -> Nanoseconds:
@@ -63,7 +63,7 @@ class Services:
         if NodeService.SDO not in SERVICES[state]:
             self._sdo.reset()
             self._transmit.drop_answers()
-        self.motion.nmt_changed(state is NmtState.OPERATIONAL)
+        self._application.nmt_changed(state is NmtState.OPERATIONAL)
         # A start command in Operational is no transition: PDOs of type 255 are not sent a second time.
         if before is not state:
             if state is NmtState.OPERATIONAL:
@@ -114,39 +114,39 @@ class Services:
         answer = self._sdo.answer(payload)
         if answer is not None:
             self._transmit.answer(answer, now)
-        self.motion.refresh(now)
+        self._application.refresh(now)
 
     def _receive_pdo(self, sharing: tuple[ReceivePdo, ...], payload: bytes, now: Nanoseconds) -> None:
         for pdo in sharing:
             if len(payload) < pdo.size:
                 # EMCY 8210: nothing of the frame is taken, also no controlword that was complete.
-                self.motion.communication_fault(emergency.PDO_TOO_SHORT)
+                self.find(BusError.PDO_TOO_SHORT)
             else:
                 pdo.take(payload)
-        self.motion.refresh(now)
+        self._application.refresh(now)
 
     def _receive_sync(self, _payload: bytes, now: Nanoseconds) -> None:
-        self._clock.latch(now)
+        self._synchronize(now)
         if self.state is NmtState.OPERATIONAL:
             for address, payload in self.pdo.sync():
                 self._send(address, payload)
             # Without synchronous receive PDOs a SYNC changes nothing that the axis would have to take in.
             if self.pdo.waits_for_sync:
-                self.motion.refresh(now)
+                self._application.refresh(now)
 
     def _receive_request(self, pdo: TransmitPdo, _payload: bytes, _now: Nanoseconds) -> None:
-        # The answer has the PDO's own length, whatever the request's (recorded from an EPOS2).
+        # The answer has the PDO's own length, whatever the request's.
         self._send(pdo.address, pdo.requested())
 
     def _receive_collision(self, _payload: bytes, _now: Nanoseconds) -> None:
-        self.motion.communication_fault(emergency.COB_ID_COLLISION)
+        self.find(BusError.COB_ID_COLLISION)
 
     # Errors
 
     def watch(self, until: Nanoseconds) -> None:
         """Check that the other nodes' messages were received in time."""
         if self.errors.lost(until):
-            self.motion.connection_lost()
+            self._application.connection_lost()
 
     def _receive_heartbeat(self, node: int, payload: bytes, now: Nanoseconds) -> None:
         # On a real bus a wake may be late: a heartbeat after its deadline must not hide the silence.
@@ -160,11 +160,17 @@ class Services:
             self._send(cia301.ERROR_CONTROL + self._identity.node, answer)
 
     def _receive_controller(self, address: int, payload: bytes, _now: Nanoseconds) -> None:
-        for code in emergencies_of(address, payload):
-            self.motion.communication_fault(code)
+        for error in errors_in(address, payload):
+            self.find(error)
 
-    def _report(self, code: int) -> None:
-        """Record an error of motion control, or with code 0 the end of all, and send it on the bus."""
+    def find(self, error: BusError) -> None:
+        """Let the application react to an error of the bus side, where the product reports it."""
+        code = self._product.bus_errors.get(error)
+        if code is not None:
+            self._application.communication_fault(code)
+
+    def report(self, code: int) -> None:
+        """Record an error of the application, or with code 0 the end of all, and send it on the bus."""
         message = self.emergency.message(code)
         address = self.emergency.cob_id
         # CiA 301: no emergency is sent in Stopped; the error is in register and history all the same.

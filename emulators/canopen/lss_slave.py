@@ -1,26 +1,23 @@
-"""The drive's layer setting services: node number and bit rate over the bus.
+"""Layer setting services of a device: node number and bit rate over the bus.
 
-Sources: CiA 305; EPOS Firmware Specification and Communication Guide, by analogy: all of it only while the
-network state is Stopped. Where they are silent: a frame that is not eight bytes long is no request; a node
-number is accepted for every setting of the DIP switch, and counts while the switch is 0, with the next reset
-of node or communication; without 'store' it is forgotten at the next reset of the node. A drive always has a
-number, so the request for slaves without one is never answered.
+Source: CiA 305, all of it only while the network state is Stopped. Where it is silent: a frame that is not
+eight bytes long is no request; a node number is accepted even where the hardware gives one, and counts where
+it gives none, with the next reset of node or communication; without 'store' it is forgotten at the next reset
+of the node. The device always has a number, so the request for slaves without one is never answered.
 """
 
 from collections.abc import Callable
 from typing import Final
 
-from emulators.epos2.objects.device_profile import BIT_RATE, BIT_RATES
-from emulators.epos2.objects.saved_parameters import SavedParameters
-from emulators.epos2.objects.store import ObjectStore
+from emulators.canopen.object_store import ObjectStore
+from emulators.canopen.product import LayerSetting
+from emulators.canopen.saved_parameters import SavedParameters
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import SdoAbort
-from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import FIRST_NODE, LAST_NODE
 from firmware_bridge.canopen.lss import CONFIGURATION, LENGTH, LssCommand, LssError, encode_lss
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
-NODE_NUMBER: Final = Address(0x2000)
 IDENTITY: Final = (od.VENDOR_ID, od.PRODUCT_CODE, od.REVISION, od.SERIAL_NUMBER)
 _SELECT: Final = (
     LssCommand.SELECT_VENDOR,
@@ -45,6 +42,7 @@ class LssSlave:
         self,
         store: ObjectStore,
         memory: SavedParameters,
+        objects: LayerSetting,
         node: Callable[[], int],
         switch: Callable[[int, Nanoseconds], None],
     ) -> None:
@@ -54,6 +52,7 @@ class LssSlave:
         """
         self._store = store
         self._memory = memory
+        self._objects = objects
         self._node = node
         self._switch = switch
         self._configuring = False
@@ -132,22 +131,24 @@ class LssSlave:
         if not FIRST_NODE <= node <= LAST_NODE:
             return encode_lss(LssCommand.SET_NODE, LssError.REFUSED)
         self.pending_node = node
-        self._store.set(NODE_NUMBER, node)
+        self._store.set(self._objects.node_number, node)
         return encode_lss(LssCommand.SET_NODE, LssError.NONE)
 
     def _set_bit_timing(self, payload: bytes) -> bytes:
         table, code = payload[1], payload[2]
-        if table != _STANDARD_TABLE or code not in BIT_RATES:
+        if table != _STANDARD_TABLE or code not in self._objects.bit_rates:
             return encode_lss(LssCommand.SET_BIT_TIMING, LssError.REFUSED)
-        self._store.set(BIT_RATE, code)
+        self._store.set(self._objects.bit_rate, code)
         return encode_lss(LssCommand.SET_BIT_TIMING, LssError.NONE)
 
     def _activate(self, payload: bytes) -> None:
         # Not answered (CiA 305): the rate at which an answer would be received is about to end.
-        self._switch(self._store.get(BIT_RATE), int.from_bytes(payload[1:3], "little") * MILLISECOND)
+        code = self._store.get(self._objects.bit_rate)
+        self._switch(code, int.from_bytes(payload[1:3], "little") * MILLISECOND)
 
     def _keep(self, _payload: bytes) -> bytes:
-        changes = {address: self._store.get(address) for address in (NODE_NUMBER, BIT_RATE)}
+        kept = (self._objects.node_number, self._objects.bit_rate)
+        changes = {address: self._store.get(address) for address in kept}
         try:
             self._memory.save(changes)
         except SdoAbort:

@@ -1,16 +1,16 @@
-"""Transmit queue of a drive: frames of this instant, and SDO answers whose latency has not passed yet."""
+"""Transmit queue of a device: frames of this instant, and SDO answers whose latency has not passed yet."""
 
 from collections import deque
 from typing import Final
 
-from emulators.epos2.canopen.identity import Identity
+from emulators.canopen.identity import Identity
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
 
 
 class TransmitQueue:
-    """Frames on their way to the controller. A drive that its bit rate keeps off the bus sends none."""
+    """Frames on their way to the controller. A device that its bit rate keeps off the bus sends none."""
 
     def __init__(self, identity: Identity, latency: Nanoseconds) -> None:
         """`latency` is from a request's last bit until its answer is given to the controller."""
@@ -21,7 +21,7 @@ class TransmitQueue:
         self.answer_due: Nanoseconds = NEVER
         """Time at which the next SDO answer leaves."""
         self.idle = Reaction()
-        """The reaction to what concerns the drive in nothing: it sends nothing and is woken as before."""
+        """The reaction to what concerns the device in nothing: it sends nothing and is woken as before."""
 
     def send(self, address: int, payload: bytes) -> None:
         """Let a frame leave now."""

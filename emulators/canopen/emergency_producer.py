@@ -1,14 +1,14 @@
 """Emergency producer: error register 0x1001, history 0x1003, the message itself.
 
-Sources: CiA 301 v4.02, emergency object; frames recorded from an EPOS2 (code, register, five zero bytes).
+Source: CiA 301 v4.02, emergency object. The five bytes of the maker are 0.
 """
 
 from typing import Final
 
-from emulators.epos2.objects.store import ObjectStore
+from emulators.canopen.object_store import ObjectStore
+from emulators.canopen.product import Product
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
-from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import (
     COB_ID_INVALID,
     COB_ID_MASK,
@@ -16,16 +16,8 @@ from firmware_bridge.canopen.cia301 import (
     EmergencyMessage,
     encode_emergency,
 )
-from firmware_bridge.wire.epos2.emergency import (
-    EMERGENCIES,
-    NO_ERROR,
-    FaultReaction,
-    Recovery,
-    RegisterBit,
-)
+from firmware_bridge.canopen.emergency import NO_ERROR, Emergency, FaultReaction, Recovery, RegisterBit
 
-DEPTH: Final = 5
-HISTORY: Final = tuple(Address(0x1003, place) for place in range(1, DEPTH + 1))
 _FORBIDDEN: Final = (
     range(SYNC + 1),
     range(0x101, 0x181),
@@ -37,11 +29,13 @@ _FORBIDDEN: Final = (
 
 
 class EmergencyProducer:
-    """Emergency producer of one drive: it keeps the errors and writes the emergency messages."""
+    """Emergency producer of one device: it keeps the errors and writes the emergency messages."""
 
-    def __init__(self, store: ObjectStore, *, reports_reset: bool) -> None:
+    def __init__(self, store: ObjectStore, product: Product) -> None:
         self._store = store
-        self._reports_reset = reports_reset
+        self._rows = product.emergencies
+        self._reports_reset = product.reports_reset
+        self._history = store.objects.entries(od.ERROR_HISTORY_COUNT.index)
         self._standing: tuple[int, ...] = ()
         store.on_write(od.ERROR_HISTORY_COUNT, self._clear_history)
         store.on_write(od.COB_ID_EMERGENCY, self._check_cob_id)
@@ -57,12 +51,12 @@ class EmergencyProducer:
         self._standing = ()
         self._publish()
         self._store.set(od.ERROR_HISTORY_COUNT, 0)
-        for address in HISTORY:
+        for address in self._history:
             self._store.set(address, 0)
 
     def communication_reset(self) -> None:
-        """Forget the errors that reset communication cures, and those that had no effect on the motor."""
-        self._standing = tuple(code for code in self._standing if not _cured_by_reset(code))
+        """Forget the errors that reset communication ends, and those that had no effect on the motor."""
+        self._standing = tuple(code for code in self._standing if not _ends(self._rows.get(code)))
         self._publish()
 
     def message(self, code: int) -> bytes | None:
@@ -80,23 +74,24 @@ class EmergencyProducer:
     def _publish(self) -> None:
         register = 0
         for code in self._standing:
-            row = EMERGENCIES.get(code)
+            row = self._rows.get(code)
             register |= RegisterBit.GENERIC if row is None else row.register
         self._store.set(od.ERROR_REGISTER, register)
 
     def _remember(self, code: int) -> None:
         store = self._store
-        # Newest first (CiA 301, 0x1003): the oldest of five is dropped.
-        older = [store.get(address) for address in HISTORY[:-1]]
-        for address, value in zip(HISTORY, (code, *older), strict=True):
+        # Newest first (CiA 301, 0x1003): the oldest is dropped.
+        older = [store.get(address) for address in self._history[:-1]]
+        for address, value in zip(self._history, (code, *older), strict=True):
             store.set(address, value)
-        store.set(od.ERROR_HISTORY_COUNT, min(store.get(od.ERROR_HISTORY_COUNT) + 1, DEPTH))
+        count = store.get(od.ERROR_HISTORY_COUNT) + 1
+        store.set(od.ERROR_HISTORY_COUNT, min(count, len(self._history)))
 
     def _clear_history(self, value: int) -> None:
         # CiA 301: only 0 may be written to 0x1003:00, and clears the history.
         if value != 0:
             raise SdoAbort(AbortCode.RANGE, od.ERROR_HISTORY_COUNT)
-        for address in HISTORY:
+        for address in self._history:
             self._store.set(address, 0)
 
     def _check_cob_id(self, word: int) -> None:
@@ -105,8 +100,7 @@ class EmergencyProducer:
             raise SdoAbort(AbortCode.RANGE, od.COB_ID_EMERGENCY)
 
 
-def _cured_by_reset(code: int) -> bool:
-    row = EMERGENCIES.get(code)
+def _ends(row: Emergency | None) -> bool:
     return row is not None and (
         row.recovery is Recovery.RESET_COMMUNICATION or row.reaction is FaultReaction.NONE
     )

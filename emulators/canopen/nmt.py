@@ -1,4 +1,4 @@
-"""Network management of one drive: where a command leads, and which services live in which state.
+"""Network management of one device: where a command leads, and which services live in which state.
 
 Source: CiA 301 v4.02, NMT state machine, table of states and services.
 """

@@ -1,24 +1,25 @@
-"""Node number and bit rate of the drive on the bus; both may change with a restart."""
+"""Node number and bit rate of a device on the bus; both may change with a restart."""
 
 from typing import Final
 
-from emulators.epos2.canopen.lss_slave import NODE_NUMBER, LssSlave
-from emulators.epos2.objects.device_profile import BIT_RATE, BIT_RATE_IN_USE, BIT_RATES
-from emulators.epos2.objects.saved_parameters import SavedParameters
-from emulators.epos2.objects.store import ObjectStore
+from emulators.canopen.lss_slave import LssSlave
+from emulators.canopen.object_store import ObjectStore
+from emulators.canopen.product import LayerSetting
+from emulators.canopen.saved_parameters import SavedParameters
 from firmware_bridge.units import NEVER, Nanoseconds
 
 FIRST_NUMBER: Final = 1
-"""Number of a drive whose DIP switch is 0 and that has saved none."""
+"""Number of a device that has none from its hardware and has saved none."""
 
 
 class Identity:
     """Node number and bit rate in use."""
 
-    def __init__(self, dip_switch: int, bus_rate: int | None) -> None:
-        """`bus_rate` in bits a second is what the bus runs at; None where that does not matter."""
-        self.dip_switch: Final = dip_switch
-        self.node = dip_switch or FIRST_NUMBER
+    def __init__(self, hardware_node: int, bus_rate: int | None, objects: LayerSetting) -> None:
+        """Take the number that a switch gives, 0 for none, and the bus' bits a second, None for any."""
+        self._hardware_node: Final = hardware_node
+        self._objects: Final = objects
+        self.node = hardware_node or FIRST_NUMBER
         self.due: Nanoseconds = NEVER
         """Time at which the bit rate changes, or the silence after that ends."""
         self._bus_rate: Final = bus_rate
@@ -29,21 +30,21 @@ class Identity:
 
     @property
     def on_bus(self) -> bool:
-        """True if the drive receives from the bus and is received there."""
+        """True if the device receives from the bus and is received there."""
         return not self._quiet and (self._bus_rate is None or self._rate == self._bus_rate)
 
     def restart(self, store: ObjectStore, memory: SavedParameters, lss: LssSlave) -> None:
         """Begin as after power-on: number and bit rate from switch, copy or default, and all objects."""
         lss.pending_node = None
-        store.node_id = self.dip_switch or FIRST_NUMBER
+        store.node_id = self._hardware_node or FIRST_NUMBER
         # The number before the objects: the defaults of the COB-IDs contain it.
-        self.node = store.node_id = self.dip_switch or memory.saved(NODE_NUMBER)
+        self.node = store.node_id = self._hardware_node or memory.saved(self._objects.node_number)
         memory.load()
-        self._take(store, memory.saved(BIT_RATE))
+        self._take(store, memory.saved(self._objects.bit_rate))
 
     def reset_communication(self, store: ObjectStore, lss: LssSlave) -> None:
         """Take a number that layer setting has left."""
-        if not self.dip_switch and lss.pending_node is not None:
+        if not self._hardware_node and lss.pending_node is not None:
             self.node = store.node_id = lss.pending_node
 
     def switch(self, code: int, delay: Nanoseconds, now: Nanoseconds) -> None:
@@ -53,7 +54,7 @@ class Identity:
         self.due = now + delay
 
     def wake(self, store: ObjectStore, now: Nanoseconds) -> bool:
-        """Do what is due; return True if that may have put the drive on the bus, or off it."""
+        """Do what is due; return True if that may have put the device on the bus, or off it."""
         if now < self.due:
             return False
         if self._next is not None:
@@ -67,6 +68,6 @@ class Identity:
         return True
 
     def _take(self, store: ObjectStore, code: int) -> None:
-        store.set(BIT_RATE_IN_USE, code)
-        self._rate = BIT_RATES.get(code)
+        store.set(self._objects.bit_rate_in_use, code)
+        self._rate = self._objects.bit_rates.get(code)
         self._next, self._quiet, self.due = None, False, NEVER

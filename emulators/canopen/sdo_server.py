@@ -1,7 +1,7 @@
-"""The drive's SDO server: expedited and segmented transfers onto the object store; each request is answered.
+"""SDO server of a device: expedited and segmented transfers onto the object store; each request is answered.
 
-Source: CiA 301 v4.02, service data object. Block transfer does not exist in the device (assumed: nothing in
-the EDS or in maxon's library) and gets 0x05040001, as each unknown command does. Where it is silent:
+Source: CiA 301 v4.02, service data object. Block transfer is optional and does not exist here; it gets
+0x05040001, as each unknown command does. Where it is silent:
 
 * Short frames are read as far as they go. One that ends before its sub-index is an unknown command (missing
   address bytes count as 0); missing data bytes are 0x06070013. Public scripts send downloads with 6 bytes.
@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
-from emulators.epos2.objects.store import LARGEST_DOMAIN, ObjectStore
+from emulators.canopen.object_store import LARGEST_DOMAIN, ObjectStore
 from firmware_bridge.canopen import sdo
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
