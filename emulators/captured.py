@@ -11,7 +11,7 @@ from emulators.motion_capture.exposure import Cameras, Up
 from emulators.motion_capture.film import FLOOR, SPACE, Film, Physics
 from emulators.motion_capture.system import DATA, DEFAULT, MotionCapture, Timing
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
-from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver
+from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver, CaptureLink
 from firmware_bridge.wire.natnet.layout import Version
 from fmu.plant import FmuPlant
 
@@ -46,13 +46,13 @@ def captured(
     The body is where the robot is, its axes those of the robot: the mount in the robot file is not emulated.
     So it is refused where it is not zero. With `markers` the stream has the bodies' markers, too.
     """
-    for name, link in robot.capture_links.items():
+    for name, link in CaptureLink.all_of(robot).items():
         _possible(robot, name, link.driver, plant)
-    if not robot.capture_links:
+    if not CaptureLink.all_of(robot):
         return Captured({}, physics)
     timing, found = Timing(), dict[str, MotionCapture]()
     film = Film(physics, plant, plant.output_names, timing.exposed_at)
-    for number, name in enumerate(robot.capture_links):
+    for number, name in enumerate(CaptureLink.all_of(robot)):
         seen = [
             sensor.settings
             for sensor in robot.sensors

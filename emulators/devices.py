@@ -23,6 +23,9 @@ from emulators.servo.pins import SWITCHES, input_lines
 from emulators.shield_bank import ShieldBank, ShieldMotor
 from emulators.stepper_bank import ANGLES, FIELDS, INPUTS, PlantJoints, StepperBank, stepper_plant
 from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
+from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Link
+from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis
+from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldLink
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.build import ensure
 from fmu.errors import PlantError, UnknownNameError
@@ -88,10 +91,10 @@ def devices(
     else:
         path, parameters = plant_path, robot.plant.parameters
     mirrored = _mirrored(robot)
-    if robot.ar2_links and not robot.shield_links:
+    if Ar2Link.all_of(robot) and not ShieldLink.all_of(robot):
         return _on_steppers(robot, stepper_plant(path, parameters, outputs, mirrored))
-    names = [axis.name for axis in robot.axes if axis.link not in robot.ar2_links]
-    if robot.ar2_links:
+    names = [axis.name for axis in robot.axes if axis.link not in Ar2Link.all_of(robot)]
+    if Ar2Link.all_of(robot):
         plant = fmu_plant(
             path,
             names,
@@ -103,10 +106,10 @@ def devices(
         )
         return _on_both(robot, plant)
     plant = fmu_plant(path, names, parameters, (SUPPLY, *outputs), optional, mirrored=mirrored)
-    if robot.shield_links:
+    if ShieldLink.all_of(robot):
         return _on_boards(robot, plant)
     _have_switches(robot, plant)
-    axes = [ServoAxis(axis.name, axis.epos2.quadcounts_per_turn) for axis in robot.axes]
+    axes = [ServoAxis(axis.name, Epos2Axis.of(axis).quadcounts_per_turn) for axis in robot.axes]
     for servo in axes:
         set_motor(plant, servo)
     bank = fmu_bank(plant, axes, len(plant_outputs(names)), _supply_input(robot), _turned(robot))
@@ -134,8 +137,8 @@ def _mirrored(robot: AnyRobot) -> tuple[str, ...]:
     An arm's motors have no encoder, and its switches stay where they are: only their fields turn over.
     """
     turned = [axis for axis in robot.axes if axis.direction < 0]
-    fields = [FIELDS[axis.ar2.joint - 1] for axis in turned if axis.link in robot.ar2_links]
-    names = [axis.name for axis in turned if axis.link not in robot.ar2_links]
+    fields = [FIELDS[Ar2Axis.of(axis).joint - 1] for axis in turned if axis.link in Ar2Link.all_of(robot)]
+    names = [axis.name for axis in turned if axis.link not in Ar2Link.all_of(robot)]
     return (*fields, *plant_inputs(names), *plant_outputs(names))
 
 
@@ -163,7 +166,7 @@ def _on_both(robot: AnyRobot, plant: FmuPlant) -> Devices:
 
 def _moves_all(robot: AnyRobot, *links: str) -> None:
     """Check that every axis is on one of these links, and there is no other with a board."""
-    boards = {*robot.shield_links, *robot.ar2_links}
+    boards = {*ShieldLink.all_of(robot), *Ar2Link.all_of(robot)}
     if boards != set(links) or not {axis.link for axis in robot.axes} <= boards:
         problem = "a board for all motors, one for all joints, or one of each are emulated, and no more"
         raise RobotFileError(robot.name, Problem("links", problem))
@@ -171,10 +174,10 @@ def _moves_all(robot: AnyRobot, *links: str) -> None:
 
 def _shield(robot: AnyRobot, plant: FmuPlant) -> tuple[str, Board, ShieldBank]:
     """Return a board with its link, and the motors on its shield."""
-    (name, link), *_ = robot.shield_links.items()
+    (name, link), *_ = ShieldLink.all_of(robot).items()
     axes = robot.axes_on(name)
     # The plant's motors are put at the terminals in the order of the axes, without gaps.
-    if [axis.shield.port for axis in axes] != list(range(1, len(axes) + 1)):
+    if [ShieldAxis.of(axis).port for axis in axes] != list(range(1, len(axes) + 1)):
         problem = "the axes' ports must be 1, 2 and so on, in their order, to be emulated"
         raise RobotFileError(robot.name, Problem(f"links.{name}", problem))
     firmware = FIRMWARES[link.protocol.value]
@@ -185,7 +188,7 @@ def _shield(robot: AnyRobot, plant: FmuPlant) -> tuple[str, Board, ShieldBank]:
     names = tuple(axis.name for axis in axes)
     constants = tuple(_constant(plant, axis) for axis in names)
     # The shield's encoders share one scale in the C kernel.
-    counts, *others = {axis.shield.counts_per_turn for axis in axes}
+    counts, *others = {ShieldAxis.of(axis).counts_per_turn for axis in axes}
     if others:
         problem = "counts_per_turn must be the same for all motors of a board, to be emulated"
         raise RobotFileError(robot.name, Problem("axes", problem))
@@ -193,15 +196,15 @@ def _shield(robot: AnyRobot, plant: FmuPlant) -> tuple[str, Board, ShieldBank]:
     holds, hoists = (_puts(plant, kind, names) for kind in (HELD, LIFTED))
     load = MotorLoad(plant, names, constants, supply, counts_per_turn=counts, holds=holds, hoists=hoists)
     auto_stop = None if firmware.auto_stop is None else link.auto_stop_ms
-    wiring = tuple(axis.shield.encoder_pins for axis in axes)
+    wiring = tuple(ShieldAxis.of(axis).encoder_pins for axis in axes)
     board = Board(firmware, load, encoders=link.counted, auto_stop=auto_stop, wiring=wiring)
-    motors = tuple(ShieldMotor(axis.name, board, axis.shield.port) for axis in axes)
+    motors = tuple(ShieldMotor(axis.name, board, ShieldAxis.of(axis).port) for axis in axes)
     return name, board, ShieldBank({name: board}, motors)
 
 
 def _steppers(robot: AnyRobot, joints: PlantJoints) -> tuple[str, Ar2Board, StepperBank]:
     """Return an arm's board with its link, and its joints."""
-    (name, _), *_ = robot.ar2_links.items()
+    (name, _), *_ = Ar2Link.all_of(robot).items()
     board = Ar2Board(AR2_FIRMWARES["2.0"], joints)
     return name, board, StepperBank(board, joints, [axis.name for axis in robot.axes_on(name)])
 
@@ -242,7 +245,7 @@ def _supply_input(robot: AnyRobot) -> tuple[str, float] | None:
     if robot.battery is None:
         return None
     sensor = next(sensor for sensor in robot.sensors if sensor.name == robot.battery.sensor)
-    return sensor.analogue.axis, sensor.analogue.per_volt
+    return Epos2AnalogueInput.of(sensor).axis, Epos2AnalogueInput.of(sensor).per_volt
 
 
 def _drive(
@@ -252,7 +255,7 @@ def _drive(
     serial: Mapping[str, Generation | None],
     storage: Storage | None,
 ) -> Epos2:
-    node = axis.epos2.node
+    node = Epos2Axis.of(axis).node
     if axis.name not in serial:
         return Epos2(node, servo, profile, storage=storage)
     return SerialEpos2(node, servo, profile, generation=serial[axis.name], storage=storage)
@@ -261,9 +264,9 @@ def _drive(
 def _profile(axis: Axis, *, realistic_latency: bool) -> DeviceProfile:
     """Return the type of drive that the file names, with a serial number of its own: no two are the same."""
     # The type decides currents, supply and objects; the number in its serial number is the node's.
-    kind = PROFILES[axis.epos2.device.value]
+    kind = PROFILES[Epos2Axis.of(axis).device.value]
     kind = realistic(kind) if realistic_latency else kind
-    return numbered(kind, axis.epos2.node)
+    return numbered(kind, Epos2Axis.of(axis).node)
 
 
 def plant_parameters(robot: AnyRobot) -> dict[str, float]:

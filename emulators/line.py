@@ -16,6 +16,7 @@ from firmware_bridge.drivers.shield.board import Board
 from firmware_bridge.node import Node
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.ar2 import Ar2Link
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 
@@ -40,7 +41,7 @@ class EmulatedLine:
         """
         if not isinstance(link, SerialLink):
             return None
-        table = robot.epos2_link(link.name)
+        table = Epos2Link.of_link(robot, link.name)
         latency = table.port_latency_us * MICROSECOND
         # Without a latency bytes are handed over one by one, as on a plain UART.
         inboxes = {host: Inbox(usb.BUFFER, latency)} if latency else {}
@@ -54,7 +55,7 @@ class EmulatedLine:
 
     def carried(self, robot: AnyRobot, duration: Nanoseconds) -> LineRun:
         """Return what the line has carried in a run so long."""
-        table = robot.epos2_link(self.link.name)
+        table = Epos2Link.of_link(robot, self.link.name)
         return LineRun(
             link=self.link.name,
             protocol=table.protocol.value,
@@ -109,7 +110,7 @@ class BoardLine:
 
 def _table(robot: AnyRobot, name: str) -> ShieldLink | Ar2Link:
     """Return the table of a link to an Arduino."""
-    return robot.ar2_link(name) if name in robot.ar2_links else robot.shield_link(name)
+    return Ar2Link.of_link(robot, name) if name in Ar2Link.all_of(robot) else ShieldLink.of_link(robot, name)
 
 
 AnyLine: TypeAlias = EmulatedLine | BoardLine

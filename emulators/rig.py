@@ -24,7 +24,8 @@ from firmware_bridge.bridge import Bridge
 from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.robot.settings.capture import CaptureLink
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Driver, Epos2Link
 from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.slow_link.conditions import Conditions
@@ -44,7 +45,7 @@ __all__ = ["BRIDGE", "OPERATOR_STATION", "QUIET", "SECOND_BRIDGE", "Rig"]
 def _served(robot: AnyRobot) -> Mapping[str, Generation]:
     """Return which axes have a host on their serial port."""
     return {
-        axis.name: robot.epos2_link(axis.link).protocol
+        axis.name: Epos2Link.of_link(robot, axis.link).protocol
         for axis in robot.axes
         if _is_gateway(robot, axis.name)
     }
@@ -52,8 +53,8 @@ def _served(robot: AnyRobot) -> Mapping[str, Generation]:
 
 def _is_gateway(robot: AnyRobot, name: str) -> bool:
     axis = next(axis for axis in robot.axes if axis.name == name)
-    link = robot.epos2_links.get(axis.link)
-    return link is not None and link.driver is Epos2Driver.SERIAL and axis.epos2.node == link.gateway
+    link = Epos2Link.all_of(robot).get(axis.link)
+    return link is not None and link.driver is Epos2Driver.SERIAL and Epos2Axis.of(axis).node == link.gateway
 
 
 class Rig:
@@ -84,16 +85,16 @@ class Rig:
             robot,
             plant_path,
             outputs=outputs,
-            optional=TRUTH if robot.capture_links else (),
+            optional=TRUTH if CaptureLink.all_of(robot) else (),
             realistic_latency=realistic_latency,
             serial=_served(robot),
         )
         self._reads: Final = _reads(columns, self.devices.plant.output_names)
         self._start_bridge(confirmed)
-        single = len(robot.epos2_links) == 1
+        single = len(Epos2Link.all_of(robot)) == 1
         self.can_wires: Final = {
             name: FaultyCanWire(link.bit_rate, CAN if single else name)
-            for name, link in robot.epos2_links.items()
+            for name, link in Epos2Link.all_of(robot).items()
         }
         """The drives' buses by the links' names."""
         self.operator_wire: Final = DatagramWire(

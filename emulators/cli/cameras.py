@@ -13,6 +13,7 @@ from emulators.motion_capture.film import Physics
 from emulators.motion_capture.system import COMMAND, DATA, MotionCapture
 from firmware_bridge.node import SERIAL, Node
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.capture import CaptureLink
 from firmware_bridge.runtime.ports import Port, UdpPort
 from firmware_bridge.wire.internet import place_of
 from firmware_bridge.wire.natnet.messages import DATA_PORT
@@ -42,11 +43,11 @@ def beside_boards(boards: Mapping[str, Board | Ar2Board], links: Mapping[str, st
 
 def cameras_of(robot: AnyRobot, below: Devices, seed: int = 0) -> Cameras:
     """Return those that see a robot; RobotFileError. Each listens at its link's `server`."""
-    where = tuple(f"{link.server} ({name})" for name, link in robot.capture_links.items())
+    where = tuple(f"{link.server} ({name})" for name, link in CaptureLink.all_of(robot).items())
     seen = captured(robot, below.bank, below.plant, seed)
     cameras = Cameras({}, {}, {}, where, seen.physics)
     for name, system in seen.systems.items():
-        link = robot.capture_links[name]
+        link = CaptureLink.all_of(robot)[name]
         command, data = f"{name} commands", f"{name} frames"
         host, _, _ = place_of(link.server_number).rpartition(":")
         cameras.members[f"cameras of {name}"] = system

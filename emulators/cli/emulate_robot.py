@@ -22,6 +22,9 @@ from firmware_bridge.cli.outside import Outside
 from firmware_bridge.cli.recorded import RecordOption, recording
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.recording import device_side
+from firmware_bridge.robot.settings.ar2 import Ar2Link
+from firmware_bridge.robot.settings.capture import CaptureLink
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 from firmware_bridge.runtime.black_box import CAN_LOG, SERIAL_LOG
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 
@@ -100,7 +103,7 @@ def run(given: RobotOptions) -> None:
     from firmware_bridge.cli.robot_argument import find_robot
 
     machine = find_robot(given.robot)
-    if machine.shield_links or machine.ar2_links:
+    if not Epos2Link.all_of(machine):
         emulate_board(machine, given)
     else:
         emulate_drives(machine, given)
@@ -126,7 +129,7 @@ def emulate_board(machine: "AnyRobot", given: RobotOptions) -> None:
     with one_message(RobotFileError, PlantError):
         machine = linked(machine, LinkOptions(given.protocol, encoders=given.encoders))
         report_beginning(machine, given.plant)
-        emulated = devices(machine, given.plant, optional=TRUTH if machine.capture_links else ())
+        emulated = devices(machine, given.plant, optional=TRUTH if CaptureLink.all_of(machine) else ())
         cameras = cameras_of(machine, emulated)
     alone = len(emulated.boards) == 1
     links = {name: SERIAL if alone else name for name in emulated.boards}
@@ -179,7 +182,7 @@ def _spoken(machine: "AnyRobot", name: str) -> str:
 
     table = machine.links[name]
     if not isinstance(table, ShieldLink):
-        return machine.ar2_link(name).protocol.value
+        return Ar2Link.of_link(machine, name).protocol.value
     return f"{table.protocol.value}, {table.counted} encoders{'' if table.stock else ', not stock'}"
 
 
@@ -202,32 +205,34 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
 
     protocol = _generation(given.protocol)
     cuts = [_cut(machine, text) for text in given.silence or ()]
-    near = on_the_line(given, [axis.epos2.node for axis in machine.axes])
-    if given.link is None and len(machine.epos2_links) > 1 and given.serial is not None:
+    near = on_the_line(given, [Epos2Axis.of(axis).node for axis in machine.axes])
+    if given.link is None and len(Epos2Link.all_of(machine)) > 1 and given.serial is not None:
         raise refusal("--serial is of a robot with one link; here only --link NAME=INTERFACE:CHANNEL works")
     with one_message(RobotFileError, PlantError, ServoError, StorageError):
         report_beginning(machine, given.plant)
-        owner = next(axis.name for axis in machine.axes if axis.epos2.node == near)
+        owner = next(axis.name for axis in machine.axes if Epos2Axis.of(axis).node == near)
         emulated = devices(
             machine,
             given.plant,
-            optional=TRUTH if machine.capture_links else (),
+            optional=TRUTH if CaptureLink.all_of(machine) else (),
             realistic_latency=given.realistic_latency,
             serial={} if given.serial is None else {owner: protocol},
             storages={axis.name: _storage(axis, given) for axis in machine.axes},
         )
         cameras = cameras_of(machine, emulated)
-    outer = {axis.name: {CAN: axis.link if len(machine.epos2_links) > 1 else CAN} for axis in machine.axes}
+    outer = {
+        axis.name: {CAN: axis.link if len(Epos2Link.all_of(machine)) > 1 else CAN} for axis in machine.axes
+    }
     outer[owner] = {**outer[owner], SERIAL: SERIAL}
     members: dict[str, Node] = {**emulated.drives, **cameras.members}
     cluster = Cluster(members, cameras.physics, links={**outer, **cameras.links})
     for name, at in cuts:
         cluster.silence(name, at)
         say(f"'{name}' falls silent after {to_seconds(at):g} s")
-    nodes = ", ".join(f"{axis.epos2.node} {axis.title}" for axis in machine.axes)
+    nodes = ", ".join(f"{Epos2Axis.of(axis).node} {axis.title}" for axis in machine.axes)
     files = dict.fromkeys((CAN, *machine.links), CAN_LOG) | {SERIAL: SERIAL_LOG}
     called = {SERIAL: device_side(owner, SERIAL)}
-    places = [(outer[axis.name][CAN], axis.epos2.node) for axis in machine.axes]
+    places = [(outer[axis.name][CAN], Epos2Axis.of(axis).node) for axis in machine.axes]
     with recording(given.record, files, called=called) as (around, _):
         openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
         carry(
@@ -258,7 +263,9 @@ def _storage(axis: "Axis", given: RobotOptions) -> "Storage":
     from firmware_bridge.drivers.epos2.setup import commissioned
 
     folder = given.parameters
-    kept: Storage = Volatile() if folder is None else ParameterFile(parameter_file(folder, axis.epos2.node))
+    kept: Storage = (
+        Volatile() if folder is None else ParameterFile(parameter_file(folder, Epos2Axis.of(axis).node))
+    )
     if given.factory:
         return kept
     return Commissioned({row.address: row.value for row in commissioned(axis)}, kept)
@@ -269,10 +276,10 @@ def _outside(machine: "AnyRobot", baud: int, given: RobotOptions) -> "tuple[Open
     from firmware_bridge.cli.links import opened
     from firmware_bridge.cli.places import BusAddress, places_of
 
-    single = len(machine.epos2_links) == 1
+    single = len(Epos2Link.all_of(machine)) == 1
     if single and not given.link:
         return opened(
-            given, _generation(given.protocol), baud, next(iter(machine.epos2_links.values())).bit_rate
+            given, _generation(given.protocol), baud, next(iter(Epos2Link.all_of(machine).values())).bit_rate
         )
     places = places_of(machine, given.link, BusAddress(given.interface, given.channel, given.serial))
     openers = {CAN if single else name: _opener(machine, name, place) for name, place in places.items()}
@@ -286,7 +293,7 @@ def _opener(machine: "AnyRobot", name: str, place: "BusAddress") -> "Callable[[]
         raise refusal(
             f"--link {name}: emulated drives of a robot are put on CAN here; give INTERFACE:CHANNEL"
         )
-    rate = machine.epos2_link(name).bit_rate
+    rate = Epos2Link.of_link(machine, name).bit_rate
     return lambda: open_can(place.interface, place.channel, None, default_bit_rate=rate, say=say)
 
 
@@ -294,11 +301,11 @@ def _cut(robot: "AnyRobot", text: str) -> tuple[str, Nanoseconds]:
     """Read NODE@SECONDS, where the node may be a number or the name of an axis."""
     node, _, seconds = text.partition("@")
     for axis in robot.axes:
-        if node in {str(axis.epos2.node), axis.name}:
+        if node in {str(Epos2Axis.of(axis).node), axis.name}:
             if not re.fullmatch(r"\d+(\.\d+)?", seconds):
-                raise refusal(f"--silence {text}: give NODE@SECONDS, as {axis.epos2.node}@10")
+                raise refusal(f"--silence {text}: give NODE@SECONDS, as {Epos2Axis.of(axis).node}@10")
             return axis.name, from_seconds(float(seconds))
-    known = ", ".join(f"{axis.epos2.node} ({axis.name})" for axis in robot.axes)
+    known = ", ".join(f"{Epos2Axis.of(axis).node} ({axis.name})" for axis in robot.axes)
     raise refusal(f"--silence {text}: {robot.name} has no node '{node}'; it has {known}")
 
 

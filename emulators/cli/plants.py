@@ -11,6 +11,7 @@ from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import FAILED, one_message, say
 from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.robot import RobotFileError
+from firmware_bridge.robot.settings.ar2 import Ar2Link
 
 if TYPE_CHECKING:
     from firmware_bridge.robot import AnyRobot
@@ -228,8 +229,8 @@ def _lacking(robot: "AnyRobot", found: "Findings") -> tuple[str, ...]:
     from fmu.interface import units
 
     # A board's steppers take no voltage: their joints have inputs and outputs of their own.
-    axes = [axis.name for axis in robot.axes if axis.link not in robot.ar2_links]
-    joints, angles = (JOINTS, ANGLES) if robot.ar2_links else ((), ())
+    axes = [axis.name for axis in robot.axes if axis.link not in Ar2Link.all_of(robot)]
+    joints, angles = (JOINTS, ANGLES) if Ar2Link.all_of(robot) else ((), ())
     wanted = [column.plant for column in bench_setup_of(robot).columns if column.plant]
     supply = (SUPPLY,) if axes else ()
     outputs = dict.fromkeys((*plant_outputs(axes), *supply, *angles, *wanted))

@@ -29,6 +29,7 @@ from emulators.servo import kernel
 from emulators.servo.seam import ServoError
 from firmware_bridge import robot_types
 from firmware_bridge.robot import RobotFileError
+from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.runtime.clock import Clock, resolution
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from fmu import plants
@@ -98,7 +99,7 @@ def _unwatched() -> Iterator[tuple[str, bool]]:
     """Yield the links of installed robots without a watchdog, and whether that is accepted."""
     for name in robot_types.robots():
         with suppress(RobotFileError):
-            for link, table in robot_types.find(name).shield_links.items():
+            for link, table in ShieldLink.all_of(robot_types.find(name)).items():
                 if table.unwatched:
                     yield f"{name}:{link}", table.accept_no_watchdog
 

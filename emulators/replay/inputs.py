@@ -25,6 +25,7 @@ from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import mavlink_origin
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.runtime.black_box import EVENTS_LOG, STATIONS_LOG
 from firmware_bridge.units import MICROSECOND, Nanoseconds
 
@@ -132,7 +133,7 @@ def _begin_of(found: Mapping[str, Recording], robot: AnyRobot) -> Nanoseconds:
 
     A bridge sends to its operator from its begin on; earlier messages of the operator do not matter.
     """
-    buses = {name: CanWire(link.bit_rate).bit_time for name, link in robot.epos2_links.items()}
+    buses = {name: CanWire(link.bit_rate).bit_time for name, link in Epos2Link.all_of(robot).items()}
     begin = min(one.start(buses.get(name, 0)) for name, one in found.items() if name != OPERATOR)
     sent = messages_of(found[OPERATOR], robot) if OPERATOR in found else []
     # The bridge may have spoken to its operator before any device's packet was recorded.

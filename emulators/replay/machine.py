@@ -19,6 +19,7 @@ from firmware_bridge.bridge import Bridge
 from firmware_bridge.dissector import kinds_of
 from firmware_bridge.node import CAN, OPERATOR, Node
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.runtime.last_places import RECORDED, LastPlaces
 from firmware_bridge.safety.guard import guarded
@@ -68,7 +69,7 @@ def machine_of(order: ReplayOrder, *, timed: bool) -> Machine:
             node = line.adapter
             if timed:
                 lanes[link_drivers.name] = _as_it_was(lanes[link_drivers.name].kind, line)
-    for name, link in robot.epos2_links.items():
+    for name, link in Epos2Link.all_of(robot).items():
         if name not in lanes:
             # A frame in the folder of a real run has its departure, not its arrival.
             at_bridge = not timed and order.recording.is_dir()

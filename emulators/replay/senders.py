@@ -7,6 +7,7 @@ from emulators.replay.recordings import RecordedPacket, Recording
 from firmware_bridge.dissector.canopen import MASTER, Canopen
 from firmware_bridge.recording import Direction, mavlink_origin
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 
 BRIDGE: Final = "bridge"
 OPERATOR_STATION: Final = "operator"
@@ -28,9 +29,9 @@ def frames_of(recording: Recording, robot: AnyRobot, link: str) -> list[Sent]:
     count as the bridge's.
     """
     reader = Canopen()
-    names = {axis.epos2.node: axis.name for axis in robot.axes_on(link)} | {
+    names = {Epos2Axis.of(axis).node: axis.name for axis in robot.axes_on(link)} | {
         MASTER: BRIDGE,
-        robot.epos2_link(link).bridge_node: BRIDGE,
+        Epos2Link.of_link(robot, link).bridge_node: BRIDGE,
     }
     named = []
     for entry in recording.entries:

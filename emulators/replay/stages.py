@@ -49,6 +49,7 @@ from firmware_bridge.canopen.cia301 import ERROR_CONTROL, LSS_RESPONSE, NmtState
 from firmware_bridge.dissector.canopen import service_name
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 LEAD: Final[Nanoseconds] = SECOND
@@ -69,11 +70,11 @@ def _drives(order: ReplayOrder) -> ReplayStage:
     if not firsts:
         raise RecordingFileError(f"{recording.name}: holds no frame of a drive of {robot.name}")
     emulated = devices(robot, order.plant)
-    world, bus = World(emulated.bank), CanWire(robot.epos2_link(link).bit_rate)
+    world, bus = World(emulated.bank), CanWire(Epos2Link.of_link(robot, link).bit_rate)
     duration = partial(duration_of, bit_time=bus.bit_time)
     for axis in robot.axes_on(link):
         name, first = axis.name, firsts.get(axis.name)
-        boots = first is not None and _boots(first, axis.epos2.node)
+        boots = first is not None and _boots(first, Epos2Axis.of(axis).node)
         start = begin_of(first, duration) if first and boots and not recording.virtual else 0
         call_at(world, start, partial(world.attach, name, emulated.drives[name], {CAN: bus}))
         if not boots:
@@ -134,10 +135,10 @@ def _can_log(order: ReplayOrder, lead: Nanoseconds) -> Recording:
         raise RecordingFileError(f"{file.name}: the drives take a CAN bus; lines are played into the bridge")
     if order.operator is not None:
         raise RecordingFileError(f"{order.operator.name}: the drives take no operator")
-    if order.link not in order.robot.epos2_links:
+    if order.link not in Epos2Link.all_of(order.robot):
         raise RecordingFileError(f"{file.name}: {order.robot.name} has no drives on a CAN bus")
     recording = read_can(file, order.channel)
-    start = recording.start(CanWire(order.robot.epos2_link(order.link).bit_rate).bit_time)
+    start = recording.start(CanWire(Epos2Link.of_link(order.robot, order.link).bit_rate).bit_time)
     return recording.since(start if recording.virtual else start - lead)
 
 

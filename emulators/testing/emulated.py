@@ -9,6 +9,8 @@ from emulators.testing.answering import ARM, BoardCall, LineCall, RollCall
 from emulators.testing.buses import Bus
 from emulators.testing.errors import RigError
 from emulators.testing.process import Process
+from firmware_bridge.robot.settings.ar2 import Ar2Link
+from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.robot_types import find
 from firmware_bridge.wire.maxon.frame import Generation
 
@@ -95,13 +97,13 @@ def _command(what: str, protocol: str | None) -> tuple[tuple[str, ...], str]:
         return ("board", "--firmware", what), what
     robot = find(what)
     # One serial line, one board.
-    if len(robot.shield_links) + len(robot.ar2_links) != 1:
+    if len(ShieldLink.all_of(robot)) + len(Ar2Link.all_of(robot)) != 1:
         known = ", ".join(FIRMWARES)
         raise RigError(f"{what} has not one board; give a robot that has, or a firmware: {known}")
-    if robot.ar2_links:
+    if Ar2Link.all_of(robot):
         _speaks_one(what, protocol, None)
         return (what,), ARM
-    (link,) = robot.shield_links.values()
+    (link,) = ShieldLink.all_of(robot).values()
     spoken = protocol or link.protocol.value
     if spoken not in FIRMWARES:
         raise RigError(f"{what}: there is no protocol '{spoken}'; there are {', '.join(FIRMWARES)}")

@@ -11,10 +11,6 @@ from firmware_bridge.robot.family_tables import FamilyTable
 from firmware_bridge.robot.guard_table import GuardTable
 from firmware_bridge.robot.operator_link import OperatorLink
 from firmware_bridge.robot.plausibility import RUBS, STANDSTILL, Plausibility
-from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Link
-from firmware_bridge.robot.settings.capture import CaptureLink
-from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis, Epos2Link
-from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldLink
 from firmware_bridge.robot.table import (
     AxisTable,
     Finite,
@@ -187,27 +183,6 @@ class Axis(Table):
         return self.plausibility.friction or RUBS * self.settings.continuous_current_ma / MILLIAMPERES
 
     @property
-    def epos2(self) -> Epos2Axis:
-        """The table of its EPOS2; TypeError where another device moves it."""
-        if not isinstance(self.settings, Epos2Axis):
-            raise TypeError(f"the axis '{self.name}' is moved by no EPOS2")
-        return self.settings
-
-    @property
-    def shield(self) -> ShieldAxis:
-        """The table of its motor at a shield; TypeError where another device moves it."""
-        if not isinstance(self.settings, ShieldAxis):
-            raise TypeError(f"the axis '{self.name}' hangs on no motor shield")
-        return self.settings
-
-    @property
-    def ar2(self) -> Ar2Axis:
-        """The table of its joint at an AR2's board; TypeError where another device moves it."""
-        if not isinstance(self.settings, Ar2Axis):
-            raise TypeError(f"the axis '{self.name}' is no joint of an AR2")
-        return self.settings
-
-    @property
     def called(self) -> str:
         """The axis as text for people, with its device."""
         return f"{self.settings.address} ({self.title})"
@@ -226,13 +201,6 @@ class Sensor(Table):
     silent_ms: Annotated[int, Field(ge=10, le=600_000)]
     """After this silence its value is not known any more."""
     settings: AnySensor
-
-    @property
-    def analogue(self) -> Epos2AnalogueInput:
-        """The table of its analog input; TypeError where it is no such sensor."""
-        if not isinstance(self.settings, Epos2AnalogueInput):
-            raise TypeError(f"the sensor '{self.name}' is at no analog input")
-        return self.settings
 
 
 class Output(Table):
@@ -312,30 +280,6 @@ class Robot(Table, Generic[G_co]):
         """Return the axes whose devices are on this link, in the file's order."""
         return tuple(axis for axis in self.axes if axis.link == link)
 
-    def nodes_on(self, link: str) -> tuple[int, ...]:
-        """Return the CANopen nodes of the axes on this link."""
-        return tuple(axis.epos2.node for axis in self.axes_on(link))
-
-    @property
-    def epos2_links(self) -> dict[str, Epos2Link]:
-        """The links to EPOS2 drives, by their names."""
-        return {name: link for name, link in self.links.items() if isinstance(link, Epos2Link)}
-
-    @property
-    def shield_links(self) -> dict[str, ShieldLink]:
-        """The links to boards with a motor shield, by their names."""
-        return {name: link for name, link in self.links.items() if isinstance(link, ShieldLink)}
-
-    @property
-    def ar2_links(self) -> dict[str, Ar2Link]:
-        """The links to boards of AR2 arms, by their names."""
-        return {name: link for name, link in self.links.items() if isinstance(link, Ar2Link)}
-
-    @property
-    def capture_links(self) -> dict[str, CaptureLink]:
-        """The links to motion capture systems, by their names."""
-        return {name: link for name, link in self.links.items() if isinstance(link, CaptureLink)}
-
     @property
     def located_by(self) -> tuple[str, OdometryBounds] | None:
         """The sensor by which the robot's pose is known, and how far without it; None: by odometry alone."""
@@ -343,27 +287,6 @@ class Robot(Table, Generic[G_co]):
             if sensor.settings.locates is not None:
                 return sensor.name, sensor.settings.locates
         return None
-
-    def epos2_link(self, name: str) -> Epos2Link:
-        """Return a link to EPOS2 drives; KeyError, or TypeError where others are on it."""
-        link = self.links[name]
-        if not isinstance(link, Epos2Link):
-            raise TypeError(f"no EPOS2 is on the link '{name}'")
-        return link
-
-    def shield_link(self, name: str) -> ShieldLink:
-        """Return a link to a board with a motor shield; KeyError, or TypeError where others are on it."""
-        link = self.links[name]
-        if not isinstance(link, ShieldLink):
-            raise TypeError(f"no motor shield is on the link '{name}'")
-        return link
-
-    def ar2_link(self, name: str) -> Ar2Link:
-        """Return a link to an AR2's board; KeyError, or TypeError where others are on it."""
-        link = self.links[name]
-        if not isinstance(link, Ar2Link):
-            raise TypeError(f"no AR2 is on the link '{name}'")
-        return link
 
     def discriminated_by(self, bandwidth_bit_s: int | None) -> Self:
         """Return the same robot on an operator's link of this bandwidth; None: the robot file's."""

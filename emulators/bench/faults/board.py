@@ -15,6 +15,8 @@ from emulators.bench.faults.fault import Fault, Lasting, Node, Problem, Stations
 from emulators.bench.faults.site import Site
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near
+from firmware_bridge.robot.settings.ar2 import Ar2Link
+from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldLink
 from firmware_bridge.units import MILLISECOND, NEVER
 
 One = Annotated[Node, Field(description="affected motor")]
@@ -44,7 +46,7 @@ class _OfBoards(Fault, ABC):
     @staticmethod
     def possible(robot: AnyRobot) -> list[str]:
         """Return the links that have such a board."""
-        return [*robot.shield_links, *robot.ar2_links]
+        return [*ShieldLink.all_of(robot), *Ar2Link.all_of(robot)]
 
     def on(self, robot: AnyRobot) -> list[str]:
         """Return the links whose boards have it."""
@@ -61,7 +63,7 @@ class _OfShields(_OfBoards, ABC):
     @staticmethod
     def possible(robot: AnyRobot) -> list[str]:
         """Return the links that have such a board."""
-        return list(robot.shield_links)
+        return list(ShieldLink.all_of(robot))
 
 
 class _Switched(_OfBoards, Lasting, ABC):
@@ -216,7 +218,7 @@ class _OnMotor(Lasting, ABC):
     def _found(self, site: Site) -> Iterator[tuple[Motors, int]]:
         for axis in site.robot.axes:
             if axis.name in self.targets(site.robot):
-                yield site.shield(axis.link).motors, axis.shield.port - 1
+                yield site.shield(axis.link).motors, ShieldAxis.of(axis).port - 1
 
 
 class ShaftBlocked(_OnMotor):

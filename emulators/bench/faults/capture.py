@@ -12,6 +12,7 @@ from emulators.bench.faults.site import Site
 from emulators.motion_capture.exposure import Hidden, Shaken, Swapped
 from emulators.wires import Impairment
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.capture import CaptureLink
 from firmware_bridge.units import MILLISECOND
 
 
@@ -20,7 +21,7 @@ class _Seen(Lasting):
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
         """Yield the equipment that this robot lacks for it."""
-        if not robot.capture_links:
+        if not CaptureLink.all_of(robot):
             yield "kind", f"{robot.name} has no link to a capture system"
 
 

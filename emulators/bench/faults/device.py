@@ -12,6 +12,7 @@ from emulators.bench.faults.site import Site
 from emulators.servo.axis import AMBIENT_MC, GATE_MV, LOGIC_MV, ServoAxis
 from emulators.servo.sensors import BROKEN, INDEX_MISSING, INDEX_SPURIOUS, SWAPPED
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.shield import ShieldAxis
 
 MILLI = 1000
 One = Annotated[Node, Field(description="affected drive")]
@@ -218,7 +219,7 @@ class EncoderSwapped(Lasting):
             else:
                 axis = next(axis for axis in site.robot.axes if axis.name == name)
                 wires = site.shield(axis.link).motors.faults.swapped
-                (wires.add if swapped else wires.discard)(axis.shield.port - 1)
+                (wires.add if swapped else wires.discard)(ShieldAxis.of(axis).port - 1)
 
 
 class IndexMissing(_Wires):

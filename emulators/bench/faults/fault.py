@@ -11,7 +11,8 @@ from pydantic import Field, model_validator
 from emulators.bench.faults.site import BRIDGE, Site
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
+from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.robot.table import Table
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 
@@ -39,12 +40,12 @@ class Stations(Enum):
         if self is Stations.NONE:
             return []
         if self is Stations.MOTORS:
-            return [axis.name for axis in robot.axes if axis.link in robot.shield_links]
+            return [axis.name for axis in robot.axes if axis.link in ShieldLink.all_of(robot)]
         # An arm's steppers have none: its board counts pulses.
         if self is Stations.ENCODERS:
-            links = {*robot.epos2_links, *robot.shield_links}
+            links = {*Epos2Link.all_of(robot), *ShieldLink.all_of(robot)}
             return [axis.name for axis in robot.axes if axis.link in links]
-        drives = [axis.name for axis in robot.axes if axis.link in robot.epos2_links]
+        drives = [axis.name for axis in robot.axes if axis.link in Epos2Link.all_of(robot)]
         on_can = any(link.driver is Epos2Driver.CAN for link in robot.links.values())
         bridge = (self is Stations.ALL and bool(drives)) or (self is Stations.ON_THE_BUS and on_can)
         return [BRIDGE, *drives] if bridge else drives
@@ -133,10 +134,13 @@ class OnBus(Fault, ABC):
         """Give what this robot lacks for it, key by key."""
         yield from super().problems(robot)
         node = getattr(self, "node", None)
-        if not robot.epos2_links:
+        if not Epos2Link.all_of(robot):
             yield "kind", f"{robot.name} has no CAN bus"
-        elif self.link is not None and self.link not in robot.epos2_links:
-            yield "link", f"{robot.name} has no bus '{self.link}'; {near(self.link, list(robot.epos2_links))}"
+        elif self.link is not None and self.link not in Epos2Link.all_of(robot):
+            yield (
+                "link",
+                f"{robot.name} has no bus '{self.link}'; {near(self.link, list(Epos2Link.all_of(robot)))}",
+            )
         elif self.link is None and len(robot.links) > 1 and named(robot, node or BRIDGE) == BRIDGE:
             yield "link", f"on which link? there are: {', '.join(robot.links)}"
 

@@ -12,7 +12,9 @@ from emulators.bench.faults.site import Site
 from emulators.wires import Impairment
 from emulators.world import WorldError
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.robot.settings.ar2 import Ar2Link
+from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
+from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import MILLISECOND
 
 Sender = Annotated[
@@ -77,8 +79,8 @@ class SerialUnplugged(Lasting):
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
         """Yield the equipment that this robot lacks for it."""
-        serial = any(link.driver is Epos2Driver.SERIAL for link in robot.epos2_links.values())
-        if not serial and not robot.shield_links and not robot.ar2_links:
+        serial = any(link.driver is Epos2Driver.SERIAL for link in Epos2Link.all_of(robot).values())
+        if not serial and not ShieldLink.all_of(robot) and not Ar2Link.all_of(robot):
             yield "kind", f"{robot.name} is not on a serial line; --serial v1 or v2 puts it there"
 
     def put_on(self, site: Site, chance: Generator) -> None:
