@@ -55,12 +55,13 @@ WAY_OF_A_PACKET: Final = (
     "firmware_bridge/canopen/*.py",
     "firmware_bridge/differential/*.py",
     "firmware_bridge/drivers/*.py",
-    "firmware_bridge/drivers/ar2/*.py",
-    "firmware_bridge/drivers/capture/*.py",
-    "firmware_bridge/drivers/epos2/*.py",
-    "firmware_bridge/drivers/epos2/can/*.py",
-    "firmware_bridge/drivers/epos2/serial/*.py",
-    "firmware_bridge/drivers/shield/*.py",
+    "firmware_bridge/families/*/driver/*.py",
+    "firmware_bridge/families/*/driver/*/*.py",
+    "firmware_bridge/families/*/guard.py",
+    "firmware_bridge/families/*/guard/*.py",
+    "firmware_bridge/families/ar2/wire.py",
+    "firmware_bridge/families/motion_capture/wire/*.py",
+    "firmware_bridge/families/motor_shield/wire/*.py",
     "firmware_bridge/immutable.py",
     "firmware_bridge/intent.py",
     "firmware_bridge/motion/*.py",
@@ -70,8 +71,6 @@ WAY_OF_A_PACKET: Final = (
     "firmware_bridge/safety/guard/*.py",
     "firmware_bridge/teleop/*.py",
     "firmware_bridge/wire/*.py",
-    "firmware_bridge/wire/arduino/*.py",
-    "firmware_bridge/wire/natnet/*.py",
 )
 """Modules that run again and again in a mission; tables, and those that run once, stay as they are."""
 INTERPRETED: Final = frozenset(

@@ -26,11 +26,11 @@ from emulators.arduino_omni.board import FIRMWARES, Board
 from emulators.arduino_omni.mega import motor_library as library
 from emulators.arduino_omni.motors import four_motors
 from emulators.arduino_omni.shield.motor_shield import PORTS
+from firmware_bridge.families.motor_shield.wire import mw, mw_messages
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, from_seconds, to_seconds
-from firmware_bridge.wire.arduino import mw, mw_messages
 
 READY: Final[Nanoseconds] = 4 * SECOND
 CYCLE: Final[Nanoseconds] = 50 * MILLISECOND

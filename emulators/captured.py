@@ -10,9 +10,9 @@ from emulators.motion_capture.bodies import TrackedBody
 from emulators.motion_capture.exposure import Cameras, Up
 from emulators.motion_capture.film import FLOOR, SPACE, Film, Physics
 from emulators.motion_capture.system import DATA, DEFAULT, MotionCapture, Timing
+from firmware_bridge.families.motion_capture.settings import CaptureBody, CaptureDriver, CaptureLink
+from firmware_bridge.families.motion_capture.wire.layout import Version
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
-from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver, CaptureLink
-from firmware_bridge.wire.natnet.layout import Version
 from fmu.plant import FmuPlant
 
 CAPTURE_STREAM: Final = 3

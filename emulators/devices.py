@@ -22,11 +22,11 @@ from emulators.servo.fmu_axes import HELD, LIFTED, fmu_bank, fmu_plant, set_moto
 from emulators.servo.pins import SWITCHES, input_lines
 from emulators.shield_bank import ShieldBank, ShieldMotor
 from emulators.stepper_bank import ANGLES, FIELDS, INPUTS, PlantJoints, StepperBank, stepper_plant
+from firmware_bridge.families.ar2.settings import Ar2Axis, Ar2Link
+from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.epos2.settings import Epos2AnalogueInput, Epos2Axis
+from firmware_bridge.families.motor_shield.settings import ShieldAxis, ShieldLink
 from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
-from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Link
-from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis
-from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldLink
-from firmware_bridge.wire.maxon.frame import Generation
 from fmu.build import ensure
 from fmu.errors import PlantError, UnknownNameError
 from fmu.plant import FmuPlant

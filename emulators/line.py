@@ -8,16 +8,16 @@ from emulators.bench.summary import LineRun
 from emulators.wires import SerialWire, usb
 from emulators.wires.serial import Inbox
 from emulators.wires.usb import ChunkWire
-from firmware_bridge.drivers.ar2.board import Ar2Board
-from firmware_bridge.drivers.epos2.serial.line import MaxonLine
-from firmware_bridge.drivers.epos2.serial.link import SerialLink
 from firmware_bridge.drivers.link_drivers import DeviceLink
-from firmware_bridge.drivers.shield.board import Board
+from firmware_bridge.families.ar2.driver.board import Ar2Board
+from firmware_bridge.families.ar2.settings import Ar2Link
+from firmware_bridge.families.epos2.driver.serial.line import MaxonLine
+from firmware_bridge.families.epos2.driver.serial.link import SerialLink
+from firmware_bridge.families.epos2.settings import Epos2Link
+from firmware_bridge.families.motor_shield.driver.board import Board
+from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.node import Node
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.ar2 import Ar2Link
-from firmware_bridge.robot.settings.epos2 import Epos2Link
-from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 
 

@@ -19,7 +19,7 @@ from emulators.servo.winding import set_winding
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import ControlwordCommand, command_of
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.families.epos2.wire import address as at
 
 POLE_PAIRS: Final = Address(0x6410, 3)
 PULSES: Final = 500

@@ -21,17 +21,17 @@ from emulators.rewind import Checkpoint, Rewind
 from emulators.wires import DatagramWire, FaultyCanWire
 from emulators.world import Wire, World
 from firmware_bridge.bridge import Bridge
+from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Driver, Epos2Link
+from firmware_bridge.families.motion_capture.settings import CaptureLink
 from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.capture import CaptureLink
-from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Driver, Epos2Link
 from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.slow_link.conditions import Conditions
 from firmware_bridge.slow_link.node import before_operator
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
-from firmware_bridge.wire.maxon.frame import Generation
 
 LINK_STREAM: Final = 1
 """Stream of random numbers for the operator's link, beside the run's seed."""

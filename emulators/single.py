@@ -22,7 +22,7 @@ from emulators.servo.motor import SUPPLY_MV, DcMotors
 from emulators.servo.winding import set_winding
 from emulators.storage import Commissioned, ParameterFile
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.wire.maxon.frame import Generation
+from firmware_bridge.families.epos2.maxon.frame import Generation
 from fmu.plant import FmuPlant
 
 QUADRATURE: Final = 4

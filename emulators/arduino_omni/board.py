@@ -17,9 +17,9 @@ from emulators.arduino_omni.sketches.firmata import FirmataSketch
 from emulators.arduino_omni.sketches.mw import MwSketch
 from emulators.arduino_omni.sketches.ros_arduino_bridge import AUTO_STOP, RosSketch
 from emulators.arduino_omni.usb_board import UsbBoard
+from firmware_bridge.families.motor_shield.wire import arduinoio, firmata, mw, ros_arduino_bridge
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.arduino import arduinoio, firmata, mw, ros_arduino_bridge
 
 MOVES_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
 """Motors are moved on so often at least, so that an idle board has nothing to catch up with."""

@@ -11,8 +11,8 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from firmware_bridge.families.ar2.settings import Ar2Link
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.ar2 import Ar2Link
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 

@@ -11,12 +11,12 @@ from emulators.devices import Devices
 from emulators.gateway import Cluster
 from emulators.motion_capture.film import Physics
 from emulators.motion_capture.system import COMMAND, DATA, MotionCapture
+from firmware_bridge.families.motion_capture.settings import CaptureLink
+from firmware_bridge.families.motion_capture.wire.messages import DATA_PORT
 from firmware_bridge.node import SERIAL, Node
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.capture import CaptureLink
 from firmware_bridge.runtime.ports import Port, UdpPort
 from firmware_bridge.wire.internet import place_of
-from firmware_bridge.wire.natnet.messages import DATA_PORT
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,9 +12,9 @@ from emulators.motion_capture.exposure import Cameras, Hidden, Lost, Swapped, Up
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.cli.options import DurationOption, until
+from firmware_bridge.families.motion_capture.wire.layout import NatNetError, Version
+from firmware_bridge.families.motion_capture.wire.messages import COMMAND_PORT, DATA_PORT
 from firmware_bridge.units import Nanoseconds, from_seconds
-from firmware_bridge.wire.natnet.layout import NatNetError, Version
-from firmware_bridge.wire.natnet.messages import COMMAND_PORT, DATA_PORT
 
 EXAMPLES: Final = """Examples:
 

@@ -18,10 +18,10 @@ from firmware_bridge.cli.options import (
 )
 from firmware_bridge.cli.outside import Outside
 from firmware_bridge.cli.recorded import RecordOption, recording
+from firmware_bridge.families.epos2.maxon.frame import Generation
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.recording import device_side
 from firmware_bridge.runtime.black_box import CAN_LOG, SERIAL_LOG
-from firmware_bridge.wire.maxon.frame import Generation
 
 if TYPE_CHECKING:
     from emulators.mounted import Mounted, ShaftLoad
@@ -189,12 +189,13 @@ DEFAULT_BIT_RATE: Final = 1_000_000
 def run(given: DrivesOptions) -> None:
     """Run the command `emulate epos2`; an error ends the program with a message."""
     from emulators.canopen.saved_parameters import StorageError
+    from emulators.cli.drive_links import drives_opened
     from emulators.cli.watched import RollCalled, duplicates_reported
     from emulators.epos2.serial.serial_drive import baud_of
     from emulators.gateway import Cluster
     from emulators.servo.bank import ServoError
     from emulators.single import DrivesOrder, drives
-    from firmware_bridge.cli.links import on_the_line, opened
+    from firmware_bridge.cli.links import on_the_line
     from firmware_bridge.cli.node_numbers import numbers
     from firmware_bridge.cli.real_time import carry
     from firmware_bridge.runtime.clock import LivedClock
@@ -239,7 +240,7 @@ def run(given: DrivesOptions) -> None:
     called = {SERIAL: device_side(f"node-{near}", SERIAL)}
     places = [(CAN, node) for node in nodes]
     with recording(given.record, {CAN: CAN_LOG, SERIAL: SERIAL_LOG}, called=called) as (around, _):
-        openers, where = opened(given, given.protocol, baud_of(made[owner]), DEFAULT_BIT_RATE)
+        openers, where = drives_opened(given, given.protocol, baud_of(made[owner]), DEFAULT_BIT_RATE)
         carry(
             RollCalled(around(duplicates_reported(cluster, places)), places),
             openers,
@@ -358,8 +359,8 @@ def _load(text: str, *, named: bool) -> "ShaftLoad":
 
 def _commissioned(file: Path) -> "Mapping[Address, int]":
     from emulators.epos2.objects.parameters import is_parameter
+    from firmware_bridge.families.epos2.wire.differences import ANY_TYPE
     from firmware_bridge.runtime.data_sheets import SheetError, configured
-    from firmware_bridge.wire.epos2.differences import ANY_TYPE
 
     with one_message(SheetError):
         found = configured(file, ANY_TYPE).values

@@ -20,11 +20,11 @@ from firmware_bridge.cli.options import (
 )
 from firmware_bridge.cli.outside import Outside
 from firmware_bridge.cli.recorded import RecordOption, recording
+from firmware_bridge.families.ar2.settings import Ar2Link
+from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
+from firmware_bridge.families.motion_capture.settings import CaptureLink
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.recording import device_side
-from firmware_bridge.robot.settings.ar2 import Ar2Link
-from firmware_bridge.robot.settings.capture import CaptureLink
-from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 from firmware_bridge.runtime.black_box import CAN_LOG, SERIAL_LOG
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 
@@ -34,9 +34,9 @@ if TYPE_CHECKING:
     from emulators.canopen.saved_parameters import Storage
     from firmware_bridge.cli.links import Openers
     from firmware_bridge.cli.places import BusAddress
+    from firmware_bridge.families.epos2.maxon.frame import Generation
     from firmware_bridge.robot import AnyRobot, Axis
     from firmware_bridge.runtime.ports import Port
-    from firmware_bridge.wire.maxon.frame import Generation
 
 
 EXAMPLES: Final = """Examples:
@@ -178,7 +178,7 @@ def _line_of(machine: "AnyRobot", name: str, given: RobotOptions, *, alone: bool
 
 def _spoken(machine: "AnyRobot", name: str) -> str:
     """Return what a board speaks."""
-    from firmware_bridge.robot.settings.shield import ShieldLink
+    from firmware_bridge.families.motor_shield.settings import ShieldLink
 
     table = machine.links[name]
     if not isinstance(table, ShieldLink):
@@ -248,7 +248,7 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
 
 def _generation(spoken: str | None) -> "Generation | None":
     """Return the protocol of drives; another one ends the program with a message."""
-    from firmware_bridge.wire.maxon.frame import Generation
+    from firmware_bridge.families.epos2.maxon.frame import Generation
 
     known = [one.value for one in Generation]
     if spoken is not None and spoken not in known:
@@ -260,7 +260,7 @@ def _storage(axis: "Axis", given: RobotOptions) -> "Storage":
     """Return where a drive finds its parameters at power-on: saved, the robot file's or the factory's."""
     from emulators.canopen.saved_parameters import Volatile
     from emulators.storage import Commissioned, ParameterFile
-    from firmware_bridge.drivers.epos2.setup import commissioned
+    from firmware_bridge.families.epos2.driver.setup import commissioned
 
     folder = given.parameters
     kept: Storage = (
@@ -273,12 +273,12 @@ def _storage(axis: "Axis", given: RobotOptions) -> "Storage":
 
 def _outside(machine: "AnyRobot", baud: int, given: RobotOptions) -> "tuple[Openers, str]":
     """Return what opens each link, and the text that names them."""
-    from firmware_bridge.cli.links import opened
+    from emulators.cli.drive_links import drives_opened
     from firmware_bridge.cli.places import BusAddress, places_of
 
     single = len(Epos2Link.all_of(machine)) == 1
     if single and not given.link:
-        return opened(
+        return drives_opened(
             given, _generation(given.protocol), baud, next(iter(Epos2Link.all_of(machine).values())).bit_rate
         )
     places = places_of(machine, given.link, BusAddress(given.interface, given.channel, given.serial))

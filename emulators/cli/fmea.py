@@ -13,7 +13,7 @@ import typer
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
 from firmware_bridge.cli.options import EncodersOption, FirmwareOption, RobotArgument
-from firmware_bridge.wire.maxon.frame import Generation
+from firmware_bridge.families.epos2.maxon.frame import Generation
 
 if TYPE_CHECKING:
     from emulators.fmea.matrix import Cell

@@ -90,7 +90,7 @@ def new(
     from emulators.motors import MotorError
     from emulators.starter.numbers import Specification, SpecificationError
     from emulators.starter.package import kinds, write
-    from firmware_bridge.robot.settings.epos2 import Epos2Device
+    from firmware_bridge.families.epos2.settings import Epos2Device
 
     target = folder or Path(name)
     with one_message(SpecificationError, MotorError):

@@ -8,7 +8,7 @@ import typer
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import DeviceProfile
 from firmware_bridge.cli.console import refusal, say
-from firmware_bridge.wire.maxon.frame import Generation
+from firmware_bridge.families.epos2.maxon.frame import Generation
 
 PlantOption = Annotated[
     Path | None,

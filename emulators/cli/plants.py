@@ -10,8 +10,8 @@ from firmware_bridge import robot_types
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import FAILED, one_message, say
 from firmware_bridge.cli.robot_argument import find_robot
+from firmware_bridge.families.ar2.settings import Ar2Link
 from firmware_bridge.robot import RobotFileError
-from firmware_bridge.robot.settings.ar2 import Ar2Link
 
 if TYPE_CHECKING:
     from firmware_bridge.robot import AnyRobot

@@ -28,8 +28,8 @@ from emulators.doctor.facts import (
 from emulators.servo import kernel
 from emulators.servo.seam import ServoError
 from firmware_bridge import robot_types
+from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.robot import RobotFileError
-from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.runtime.clock import Clock, resolution
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from fmu import plants

@@ -18,7 +18,7 @@ from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.choices import CHOICES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.canopen.object_row import Provenance
-from firmware_bridge.wire.epos2.emergency import EMERGENCIES
+from firmware_bridge.families.epos2.wire.emergency import EMERGENCIES
 
 ORDER: Final = tuple(Provenance)
 _FIGURES: Final = (

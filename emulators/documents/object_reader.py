@@ -7,15 +7,15 @@ from typing import Final
 
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import DataType
-from firmware_bridge.drivers.commissioning.can_access import CanAccess
-from firmware_bridge.drivers.commissioning.client import JobClient
-from firmware_bridge.drivers.commissioning.reading import Reading
+from firmware_bridge.families.epos2.commissioning.can_access import CanAccess
+from firmware_bridge.families.epos2.commissioning.client import JobClient
+from firmware_bridge.families.epos2.commissioning.reading import Reading
+from firmware_bridge.families.epos2.wire.differences import objects_of
 from firmware_bridge.node import CAN
 from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.runtime.ports import Port
 from firmware_bridge.runtime.runner import run
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.epos2.differences import objects_of
 
 TIMEOUT: Final[Nanoseconds] = 500 * MILLISECOND
 

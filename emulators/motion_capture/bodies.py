@@ -9,8 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, NamedTuple, TypeAlias
 
+from firmware_bridge.families.motion_capture.wire.frame import Point, Quaternion
 from firmware_bridge.units import Nanoseconds, to_seconds
-from firmware_bridge.wire.natnet.frame import Point, Quaternion
 
 
 class Attitude(NamedTuple):

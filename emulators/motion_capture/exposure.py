@@ -18,8 +18,7 @@ from enum import Enum
 from typing import Final
 
 from emulators.motion_capture.bodies import Attitude, TrackedBody, product, turned
-from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire.natnet.frame import (
+from firmware_bridge.families.motion_capture.wire.frame import (
     BodyFlag,
     LabeledMarker,
     MarkerFlag,
@@ -27,6 +26,7 @@ from firmware_bridge.wire.natnet.frame import (
     Quaternion,
     RigidBody,
 )
+from firmware_bridge.units import NEVER, Nanoseconds
 
 ARM_M: Final = 0.15
 NORMALS: Final = 6

@@ -12,10 +12,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from firmware_bridge.families.motion_capture.wire import messages, models
+from firmware_bridge.families.motion_capture.wire.layout import V4_0, NatNetError, Version, known
+from firmware_bridge.families.motion_capture.wire.messages import Bytes4, MessageId, ServerInfo, packet
 from firmware_bridge.units import SECOND, Nanoseconds
-from firmware_bridge.wire.natnet import messages, models
-from firmware_bridge.wire.natnet.layout import V4_0, NatNetError, Version, known
-from firmware_bridge.wire.natnet.messages import Bytes4, MessageId, ServerInfo, packet
 
 PATIENCE: Final[Nanoseconds] = 10 * SECOND
 NOT_DONE: Final = 1

@@ -20,14 +20,19 @@ from emulators.motion_capture.bodies import TrackedBody
 from emulators.motion_capture.chance import Chance
 from emulators.motion_capture.exposure import NORMALS, Cameras, Exposure, Hidden, Shaken, Swapped
 from emulators.motion_capture.server import Server
+from firmware_bridge.families.motion_capture.wire import frame as frames
+from firmware_bridge.families.motion_capture.wire import messages
+from firmware_bridge.families.motion_capture.wire.frame import Frame, FrameFlag
+from firmware_bridge.families.motion_capture.wire.layout import Version
+from firmware_bridge.families.motion_capture.wire.messages import MessageId
+from firmware_bridge.families.motion_capture.wire.models import (
+    MarkerSetModel,
+    Model,
+    ModelMarker,
+    RigidBodyModel,
+)
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds, to_seconds
-from firmware_bridge.wire.natnet import frame as frames
-from firmware_bridge.wire.natnet import messages
-from firmware_bridge.wire.natnet.frame import Frame, FrameFlag
-from firmware_bridge.wire.natnet.layout import Version
-from firmware_bridge.wire.natnet.messages import MessageId
-from firmware_bridge.wire.natnet.models import MarkerSetModel, Model, ModelMarker, RigidBodyModel
 
 COMMAND: Final = "command"
 DATA: Final = "data"

@@ -21,11 +21,11 @@ from emulators.replay.senders import BRIDGE, Sent, chunks_of, frames_of, message
 from emulators.replay.stage import first_of
 from emulators.wires import CanWire
 from firmware_bridge.dissector import kinds_of
+from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import mavlink_origin
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.runtime.black_box import EVENTS_LOG, STATIONS_LOG
 from firmware_bridge.units import MICROSECOND, Nanoseconds
 

@@ -17,9 +17,9 @@ from emulators.wires import CanWire, DatagramWire, PlayedLine, SerialWire
 from emulators.world import Wire
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.dissector import kinds_of
+from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.node import CAN, OPERATOR, Node
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.runtime.last_places import RECORDED, LastPlaces
 from firmware_bridge.safety.guard import guarded

@@ -33,10 +33,10 @@ from emulators.wires import CanWire, Observer
 from emulators.world import World
 from firmware_bridge.dissector import kinds_of
 from firmware_bridge.dissector.canopen import service_name
+from firmware_bridge.families.ar2.settings import Ar2Firmware
+from firmware_bridge.families.motor_shield.settings import ShieldProtocol
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot.settings.ar2 import Ar2Firmware
-from firmware_bridge.robot.settings.shield import ShieldProtocol
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 
 UNHEARD: Final[Nanoseconds] = 60 * SECOND

@@ -5,9 +5,9 @@ from typing import Final
 
 from emulators.replay.recordings import RecordedPacket, Recording
 from firmware_bridge.dissector.canopen import MASTER, Canopen
+from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
 from firmware_bridge.recording import Direction, mavlink_origin
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 
 BRIDGE: Final = "bridge"
 OPERATOR_STATION: Final = "operator"

@@ -47,9 +47,9 @@ from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.canopen.cia301 import ERROR_CONTROL, LSS_RESPONSE, NmtState, encode_heartbeat
 from firmware_bridge.dissector.canopen import service_name
+from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 LEAD: Final[Nanoseconds] = SECOND

@@ -7,8 +7,8 @@ from typing import Final
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.motors import Motor
 from emulators.starter.tuning import VELOCITY_P_UNIT, velocity_gains
-from firmware_bridge.robot.settings.epos2 import BRUSHED, SINUSOIDAL, Epos2Device
-from firmware_bridge.wire.epos2.hardware import too_fast
+from firmware_bridge.families.epos2.settings import BRUSHED, SINUSOIDAL, Epos2Device
+from firmware_bridge.families.epos2.wire.hardware import too_fast
 
 BRIDGE_NODE: Final = 100
 TOP_MARGIN: Final = 1.02

@@ -11,7 +11,7 @@ import math
 from typing import Final
 
 from emulators.motors import Motor
-from firmware_bridge.robot.settings.epos2 import Gains
+from firmware_bridge.families.epos2.settings import Gains
 
 CURRENT_STEP_S: Final = 1e-4
 HALVED: Final = 0.5

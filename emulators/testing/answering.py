@@ -17,12 +17,19 @@ from firmware_bridge.canopen.cia301 import SDO_REQUEST, SDO_RESPONSE
 from firmware_bridge.canopen.objects import DEVICE_TYPE
 from firmware_bridge.canopen.sdo import UploadResponse, decode_response, encode_upload
 from firmware_bridge.cli.node_numbers import numbers
+from firmware_bridge.families.ar2 import wire
+from firmware_bridge.families.epos2.maxon.frame import Frame, Generation, MaxonAnswer
+from firmware_bridge.families.epos2.maxon.lines import host_end
+from firmware_bridge.families.motor_shield.wire import (
+    arduinoio,
+    firmata,
+    mw,
+    mw_messages,
+    ros_arduino_bridge,
+)
 from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.runtime.ports import open_can
 from firmware_bridge.units import from_seconds
-from firmware_bridge.wire.arduino import ar2, arduinoio, firmata, mw, mw_messages, ros_arduino_bridge
-from firmware_bridge.wire.maxon.frame import Frame, Generation, MaxonAnswer
-from firmware_bridge.wire.maxon.lines import host_end
 
 REQUESTED_AGAIN: Final = 20
 """Number of looks, 1 s: a late answer comes before the request is repeated."""
@@ -43,7 +50,7 @@ QUESTIONS: Final[Mapping[str, tuple[bytes, bytes]]] = {
     "ros-arduino-bridge": (b"b" + ros_arduino_bridge.END, str(ros_arduino_bridge.BAUD).encode()),
     "arduinoio": (arduinoio.encode("9", 9), str(arduinoio.MOTOR_V2).encode()),
     "firmata": (bytes((firmata.VERSION,)), bytes((firmata.VERSION,))),
-    ARM: (b"WTS0" + ar2.END, ar2.DONE),
+    ARM: (b"WTS0" + wire.END, wire.DONE),
 }
 """Request to each board's firmware, and the begin of its answer."""
 

@@ -9,10 +9,10 @@ from emulators.testing.answering import ARM, BoardCall, LineCall, RollCall
 from emulators.testing.buses import Bus
 from emulators.testing.errors import RigError
 from emulators.testing.process import Process
-from firmware_bridge.robot.settings.ar2 import Ar2Link
-from firmware_bridge.robot.settings.shield import ShieldLink
+from firmware_bridge.families.ar2.settings import Ar2Link
+from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.robot_types import find
-from firmware_bridge.wire.maxon.frame import Generation
 
 READY_WITHIN_S: Final = 60.0
 """Time for a device to be there, on a machine that has much to do."""

@@ -10,7 +10,7 @@ from emulators.testing.emulated import READY_WITHIN_S, Start
 from emulators.testing.errors import RigError
 from emulators.testing.process import Process
 from firmware_bridge.cli.node_numbers import numbers
-from firmware_bridge.wire.maxon.frame import Generation
+from firmware_bridge.families.epos2.maxon.frame import Generation
 
 LINE: Final = "v1:/dev/ttyUSB0"
 """Example of a line's name."""

@@ -163,7 +163,8 @@ class Tree:
         """Add the rows of the installed packages, once."""
         if not self._complete:
             self._complete = True
-            self._put(installed())
+            # Groups first: a package may add a command to another one's group.
+            self._put(sorted(installed(), key=lambda row: isinstance(row, CliCommand)))
 
     def _put(self, rows: Iterable[Row]) -> None:
         for row in rows:

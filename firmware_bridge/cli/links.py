@@ -10,7 +10,6 @@ from firmware_bridge.cli.outside import Outside
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.runtime.ports import Port, PortError, PseudoTerminal, SeenOpening, SerialLine, open_can
 from firmware_bridge.runtime.ports.pseudo_terminal import WORD
-from firmware_bridge.wire.maxon.frame import Generation
 
 Openers: TypeAlias = dict[str, Callable[[], Port]]
 
@@ -46,7 +45,7 @@ def on_the_line(outside: Outside, nodes: Sequence[int]) -> int:
 
 
 def opened(
-    outside: Outside, protocol: Generation | None, baud: int, default_bit_rate: int
+    outside: Outside, spoken: str, baud: int, default_bit_rate: int, *, any_rate: bool
 ) -> tuple[Openers, str]:
     """Return what opens each link, and how they are called; a line that cannot be ends the program.
 
@@ -57,12 +56,8 @@ def opened(
     where = []
     if outside.serial is not None:
         with one_message(PortError):
-            # Over USB a rate is set, and does not count.
-            line = open_serial(
-                outside.serial, baud, outside.serial_link, any_rate=protocol is not Generation.V1
-            )
+            line = open_serial(outside.serial, baud, outside.serial_link, any_rate=any_rate)
         found[SERIAL] = lambda: line
-        spoken = "v1 or v2, as its host speaks" if protocol is None else protocol.value
         where.append(f"{line.name} ({spoken})")
     if outside.serial is None or outside.interface or outside.channel:
         found[CAN] = lambda: open_can(

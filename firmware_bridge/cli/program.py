@@ -6,7 +6,7 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from firmware_bridge.cli.commands import MARKUP, CliCommand, Group, Row, Rows, Tree
+from firmware_bridge.cli.commands import MARKUP, CliCommand, Row, Rows, Tree
 from firmware_bridge.cli.console import INTERRUPTED, say, speak_plainly
 
 COMMANDS: Final[tuple[Row, ...]] = (
@@ -29,47 +29,6 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "monitor",
         "firmware_bridge.cli.monitor:monitor",
         "Show a CAN bus decoded: nodes, PDOs, statuswords, emergencies, rates, load, the last error.",
-    ),
-    Group(
-        "epos2",
-        "One EPOS2 drive, real or emulated, over CAN or a serial line: its objects, its state.",
-        """Examples:
-
-`firmware-bridge epos2 read statusword "profile velocity" -i socketcan -c can0 --node 3`
-
-`firmware-bridge epos2 write profile-velocity 500rpm --serial /dev/ttyUSB0`
-
-`firmware-bridge epos2 state --serial /dev/ttyUSB0 --protocol v2`""",
-    ),
-    CliCommand(
-        "epos2 scan",
-        "firmware_bridge.cli.epos2.scan:scan",
-        "List the nodes on a CAN bus, or behind a serial line: device, versions, serial number, states.",
-    ),
-    CliCommand(
-        "epos2 read",
-        "firmware_bridge.cli.epos2.read:read",
-        "Read objects of a drive, with their names, units, and decoded bits.",
-    ),
-    CliCommand(
-        "epos2 write",
-        "firmware_bridge.cli.epos2.write:write",
-        "Write one object of a drive.",
-    ),
-    CliCommand(
-        "epos2 state",
-        "firmware_bridge.cli.epos2.state:state",
-        "Show a drive's power state, mode, network state and errors.",
-    ),
-    CliCommand(
-        "epos2 version",
-        "firmware_bridge.cli.epos2.version:version",
-        "Show a drive's name, hardware, firmware and serial number.",
-    ),
-    CliCommand(
-        "epos2 nmt",
-        "firmware_bridge.cli.epos2.network:nmt",
-        "Send a network command, and check that one drive executes it.",
     ),
 )
 

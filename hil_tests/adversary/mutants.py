@@ -89,7 +89,7 @@ def evenings(seconds: float, known: dict[str, str]) -> tuple[str, dict[str, str]
     # Not before the mutant is in its place.
     from emulators.bench.bench_setup import bench_setup_of  # noqa: PLC0415 - see above
     from emulators.rig import Rig  # noqa: PLC0415 - see above
-    from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial  # noqa: PLC0415 - see above
+    from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial  # noqa: PLC0415 - see above
     from firmware_bridge.robot_types import find  # noqa: PLC0415 - see above
     from hil_tests.adversary.failing import FaultProfile  # noqa: PLC0415 - see above
     from hil_tests.adversary.search import Search  # noqa: PLC0415 - see above

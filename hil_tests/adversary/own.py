@@ -10,8 +10,8 @@ from typing import Any, Final
 from emulators.bench.columns import motor_speed
 from emulators.bench.faults.plant import GripLost
 from emulators.rig import Rig
+from firmware_bridge.families.ar2.settings import Ar2Link
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.ar2 import Ar2Link
 from firmware_bridge.units import STANDARD_GRAVITY
 from fmu.plants import find as find_plant
 from hil_tests.adversary.beyond import RIM, SPEEDS_UP

@@ -12,8 +12,8 @@ from emulators.bench.faults.board import (
     I2cStuck,
 )
 from emulators.rig import BRIDGE, Rig
+from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import NEVER
 
 STARTS_AGAIN: Final = {it.kind for it in (BoardBrownOut, BoardHangs, BoardReset, BoardUnpowered, I2cStuck)}

@@ -2,8 +2,8 @@
 
 import argparse
 
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
-from firmware_bridge.drivers.shield.link_drivers import measured, over_protocol
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.motor_shield.driver.link_drivers import measured, over_protocol
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
 

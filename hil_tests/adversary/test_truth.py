@@ -10,8 +10,8 @@ from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.columns import Sample
 from emulators.bench.faults import Fault
 from emulators.bench.mission import Mission
-from firmware_bridge.drivers.shield.booting import Booting
-from firmware_bridge.drivers.shield.link_drivers import over_protocol
+from firmware_bridge.families.motor_shield.driver.booting import Booting
+from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import STANDARD_GRAVITY, from_seconds

@@ -14,10 +14,10 @@ from emulators.epos2.drive import Epos2
 from emulators.rig import BRIDGE, SECOND_BRIDGE, Rig
 from firmware_bridge.bridge import Phase
 from firmware_bridge.canopen import objects as od
+from firmware_bridge.families.ar2.settings import Ar2Link
+from firmware_bridge.families.epos2.settings import Epos2Link
+from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.robot import AnyRobot, Axis, GuardExclusive, GuardSum, Unpowered
-from firmware_bridge.robot.settings.ar2 import Ar2Link
-from firmware_bridge.robot.settings.epos2 import Epos2Link
-from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 from hil_tests.adversary.beyond import LOADER
 from hil_tests.adversary.own import OWN, ROUNDED, Own, gives, joint, mean_rate

@@ -152,6 +152,8 @@ def test_the_rooms_have_modules_and_every_module_tests() -> None:
     assert packages == {
         "safety",
         "bridge",
+        "canopen",
+        "families",
         "differential",
         "drivers",
         "motion",

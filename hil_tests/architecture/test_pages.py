@@ -4,7 +4,7 @@ import importlib.util
 from pathlib import Path
 from types import ModuleType
 
-from firmware_bridge.wire.maxon.opcodes import ROWS
+from firmware_bridge.families.epos2.maxon.opcodes import ROWS
 
 ROOT = Path(__file__).parents[2]
 

@@ -10,8 +10,8 @@ from emulators.testing.rig import STEP_S, VirtualRig
 from firmware_bridge.bridge.stops import Progress
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.objects import ERROR_HISTORY_COUNT
-from firmware_bridge.robot.settings.ar2 import Ar2Link
-from firmware_bridge.robot.settings.shield import ShieldLink
+from firmware_bridge.families.ar2.settings import Ar2Link
+from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.units import MILLISECOND
 from hil_tests.failures.causes import (
     COMMON,

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final, TypeAlias
 
-from firmware_bridge.robot.settings.shield import ShieldLink
+from firmware_bridge.families.motor_shield.settings import ShieldLink
 from hil_tests.failures.causes import (
     COMMON,
     EVERY,

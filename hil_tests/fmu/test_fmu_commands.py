@@ -16,7 +16,7 @@ from emulators.devices import plant_parameters
 from emulators.stepper_bank import ANGLES, INPUTS
 from firmware_bridge import robot_types
 from firmware_bridge.cli import program
-from firmware_bridge.robot.settings.ar2 import Ar2Link
+from firmware_bridge.families.ar2.settings import Ar2Link
 from fmu.build import ensure
 from fmu.errors import PlantError, UnknownNameError
 from fmu.plants import find, names

@@ -25,10 +25,10 @@ from emulators.wires import CanWire, DatagramWire
 from emulators.world import World
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.cli import program
+from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, from_seconds

@@ -4,9 +4,9 @@ from collections.abc import Callable
 from typing import Final
 
 from firmware_bridge.drivers.all_drivers import alone
+from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.operator_link import OperatorLink
-from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.robot.table import LinkTable
 from hil_tests.hazards.rows import Function, Trips
 

@@ -5,9 +5,9 @@ from typing import Final, NamedTuple, TypeAlias
 
 from emulators.testing.inherited.fake_driver import cases_of
 from firmware_bridge.drivers.all_drivers import reports_of
+from firmware_bridge.families.epos2.settings import Epos2Link
+from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Link
-from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.robot_type import AnyRobotType
 from firmware_bridge.robot_types import find, robot_type_named
 from firmware_bridge.safety.common import AXIS_INTERLOCKS, EXCLUDED_AXIS, whole_robot_interlocks

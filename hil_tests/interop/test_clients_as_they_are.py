@@ -22,12 +22,18 @@ from emulators.world import World
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.epos2.maxon.messages import (
+    Done,
+    ObjectRead,
+    ReadObject,
+    SendNmtService,
+    WriteObject,
+)
+from firmware_bridge.families.epos2.wire.differences import objects_of
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.epos2.differences import objects_of
-from firmware_bridge.wire.maxon.frame import Generation
-from firmware_bridge.wire.maxon.messages import Done, ObjectRead, ReadObject, SendNmtService, WriteObject
 from hil_tests.interop.virtual_master import Master
 from hil_tests.unit.epos2.quiet_motion import powered
 from hil_tests.unit.epos2_serial.serial_desk import FAR, NEAR, SerialDesk, both

@@ -12,7 +12,7 @@ import pytest
 from emulators.arduino_omni.mega import motor_library as library
 from emulators.arduino_omni.shield.motor_shield import PORTS
 from emulators.arduino_omni.shield.pca9685 import AI, ALLCALL, MODE1
-from firmware_bridge.wire.arduino import firmata
+from firmware_bridge.families.motor_shield.wire import firmata
 
 PROGRAM = Path(sys.executable).with_name("firmware-bridge")
 SHIELD = 0x60

@@ -10,9 +10,9 @@ from emulators.devices import Devices, devices
 from emulators.replay import Into, ReplayOrder, replay
 from emulators.wires import CanWire
 from emulators.world import World
+from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.node import CAN
 from firmware_bridge.recording import candump_line
-from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import SECOND
 from hil_tests.interop.virtual_master import PdoMaster

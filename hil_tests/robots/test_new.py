@@ -21,8 +21,8 @@ from emulators.starter.numbers import Specification
 from emulators.starter.package import written
 from emulators.starter.tuning import velocity_gains
 from firmware_bridge.cli import program
+from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Device
 from firmware_bridge.robot.model import Unpowered
-from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Device
 from firmware_bridge.robot_types import find
 
 ROOT: Final = Path(__file__).parents[2]

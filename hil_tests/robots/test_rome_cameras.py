@@ -8,12 +8,12 @@ from typer.testing import CliRunner
 
 from emulators.testing.inherited.fake_driver import START, seen
 from firmware_bridge.cli import program
-from firmware_bridge.drivers.shield.link_drivers import measured, over_protocol
+from firmware_bridge.families.motion_capture.settings import CaptureLink
+from firmware_bridge.families.motor_shield.driver.link_drivers import measured, over_protocol
+from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import RobotFileError
-from firmware_bridge.robot.settings.capture import CaptureLink
-from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.robot_types import find, parse, robots
 from firmware_bridge.robots.rome import ROBOT_TYPE
 from firmware_bridge.robots.rome.motion import RomeMotion

@@ -9,9 +9,9 @@ from typing import Final
 from emulators.rig import BRIDGE
 from emulators.testing.rig import STEP_S, VirtualRig
 from firmware_bridge.bridge.stops import RAMPED_WITHIN, AxisStop, Progress
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
-from firmware_bridge.drivers.shield.link_drivers import measured, over_protocol
 from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.motor_shield.driver.link_drivers import measured, over_protocol
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find

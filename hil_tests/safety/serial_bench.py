@@ -4,17 +4,17 @@ from typing import Final
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.families.epos2.guard.serial import Epos2SerialRules
+from firmware_bridge.families.epos2.maxon.frame import MaxonAnswer
+from firmware_bridge.families.epos2.maxon.messages import Done, ObjectRead, ReadObject, Request, WriteObject
+from firmware_bridge.families.epos2.maxon.opcodes import encode_answer
+from firmware_bridge.families.epos2.maxon.packets import command, outcome_packet, request_of
+from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard import Refusal, guarded
-from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire.maxon.frame import MaxonAnswer
-from firmware_bridge.wire.maxon.messages import Done, ObjectRead, ReadObject, Request, WriteObject
-from firmware_bridge.wire.maxon.opcodes import encode_answer
-from firmware_bridge.wire.maxon.packets import command, outcome_packet, request_of
 from hil_tests.safety.guard_bench import LINK, ScriptedNode
 
 

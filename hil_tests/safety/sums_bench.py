@@ -5,9 +5,9 @@ import struct
 from collections.abc import Iterable, Sequence
 from typing import Final
 
+from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from hil_tests.safety.guard_bench import Bench
 from hil_tests.safety.guard_robots import AnAxis, robot_with

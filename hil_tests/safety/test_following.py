@@ -7,9 +7,9 @@ from typing import Any, Final
 import pytest
 
 from firmware_bridge.drivers.driver import Position, SetPoint, Speed, Stop
+from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
+from firmware_bridge.families.motor_shield.settings import ShieldAxis
 from firmware_bridge.robot.plausibility import Plausibility
-from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
-from firmware_bridge.robot.settings.shield import ShieldAxis
 from firmware_bridge.robot_types import find, names
 from firmware_bridge.safety.tracking import bounds_of, within
 from firmware_bridge.units import MILLISECOND, SECOND

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
+from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from hil_tests.lanes import examples
 from hil_tests.safety.guard_bench import Bench, position, wheel

@@ -7,11 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from emulators.arduino_omni.ar2.axes import JOINTS
+from firmware_bridge.families.ar2 import wire as words
+from firmware_bridge.families.ar2.guard import HALT
 from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import find
-from firmware_bridge.safety.guard.ar2 import HALT
-from firmware_bridge.wire.arduino import ar2 as words
 from hil_tests.lanes import examples
 from hil_tests.safety.guard_bench import Bench
 from hil_tests.unit.arduino.ar2_bench import Bench as Arm

@@ -8,13 +8,13 @@ import math
 
 import pytest
 
+from firmware_bridge.families.ar2 import wire as words
+from firmware_bridge.families.ar2.guard import Ar2Rules, GuardedJoint, move_of
+from firmware_bridge.families.ar2.settings import Ar2Axis, Ar2Link
 from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Link
 from firmware_bridge.robot_types import find
-from firmware_bridge.safety.guard.ar2 import Ar2Rules, GuardedJoint, move_of
-from firmware_bridge.wire.arduino import ar2 as words
 
 ARM = "arm"
 ROBOT = find("ar2")

@@ -6,8 +6,8 @@ import pytest
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import Mode, PowerState
-from firmware_bridge.safety.guard.axis import GuardedAxis
-from firmware_bridge.safety.guard.epos2_words import (
+from firmware_bridge.families.epos2.guard.axis import GuardedAxis
+from firmware_bridge.families.epos2.guard.words import (
     DISABLE_VOLTAGE,
     ENABLE,
     HALT,
@@ -15,8 +15,8 @@ from firmware_bridge.safety.guard.epos2_words import (
     START_HOMING,
     GuardedSetPoint,
 )
+from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.safety.guard_robots import RARS
 
 OFF, ON, REACHED = 0x0140, 0x0137, 0x0537

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.drivers.epos2.scale import travel_of
+from firmware_bridge.families.epos2.driver.scale import travel_of
+from firmware_bridge.families.epos2.guard.bounds import ends_qc, highest_rpm, rpm_per_unit, targets
 from firmware_bridge.robot import Axis, RobotFileError
-from firmware_bridge.safety.guard.bounds import ends_qc, highest_rpm, rpm_per_unit, targets
 from hil_tests.safety.guard_robots import RARS, AnAxis, robot_with
 
 

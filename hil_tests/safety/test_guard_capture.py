@@ -3,15 +3,15 @@
 import pytest
 
 from emulators.bench.faults import read
-from firmware_bridge.drivers.capture.natnet import CONNECT
+from firmware_bridge.families.motion_capture.driver.natnet import CONNECT
+from firmware_bridge.families.motion_capture.guard import CaptureRules
+from firmware_bridge.families.motion_capture.wire.messages import MessageId, packet, text_payload
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard import Refusal, guarded
-from firmware_bridge.safety.guard.capture import CaptureRules
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.internet import number_of
-from firmware_bridge.wire.natnet.messages import MessageId, packet, text_payload
 from hil_tests.unit.capture_driver.captured_diff_drive import CAMERAS, captured_diff_drive
 
 SERVER = number_of("192.168.1.10", 1510)

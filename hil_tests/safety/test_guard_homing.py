@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.drivers.epos2.zero import rows_of
+from firmware_bridge.families.epos2.driver.zero import rows_of
+from firmware_bridge.families.epos2.guard.zeroing import by_file
+from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import parse
-from firmware_bridge.safety.guard.zeroing import by_file
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.safety import guard_bench, serial_bench
 from hil_tests.safety.guard_bench import raw
 from hil_tests.safety.test_guard_zero import (

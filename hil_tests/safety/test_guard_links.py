@@ -8,16 +8,16 @@ import pytest
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.families.epos2.guard.can import Epos2CanRules
+from firmware_bridge.families.epos2.guard.serial import Epos2SerialRules
+from firmware_bridge.families.epos2.maxon.messages import ReadObject, WriteObject
+from firmware_bridge.families.epos2.maxon.packets import command
+from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.node import LINE_LOST
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.safety.guard import Guarded
-from firmware_bridge.safety.guard.epos2_can import Epos2CanRules
-from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
 from firmware_bridge.units import MILLISECOND, NEVER
-from firmware_bridge.wire.maxon.messages import ReadObject, WriteObject
-from firmware_bridge.wire.maxon.packets import command
 from hil_tests.safety.guard_bench import Bench
 from hil_tests.safety.guard_robots import AnAxis, robot_with
 

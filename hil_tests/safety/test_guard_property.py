@@ -8,12 +8,12 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
+from firmware_bridge.families.epos2.guard.can import Epos2CanRules
+from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import CommandForm
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
-from firmware_bridge.safety.guard.epos2_can import Epos2CanRules
 from firmware_bridge.units import MILLISECOND, NEVER
 from hil_tests.lanes import examples
 from hil_tests.safety.guard_bench import LINK, Bench

@@ -6,9 +6,9 @@ import pytest
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import PowerState
+from firmware_bridge.families.epos2.wire.power_states import STATUSWORDS
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import SECOND
-from firmware_bridge.wire.epos2.power_states import STATUSWORDS
 from hil_tests.safety.guard_bench import (
     LINK,
     Bench,

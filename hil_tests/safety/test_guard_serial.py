@@ -7,16 +7,16 @@ from hypothesis import strategies as st
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand
-from firmware_bridge.drivers.epos2.serial.link import guarding, heartbeat
-from firmware_bridge.drivers.epos2.setup import configuration, farewell, through_gateway
+from firmware_bridge.families.epos2.driver.serial.link import guarding, heartbeat
+from firmware_bridge.families.epos2.driver.setup import configuration, farewell, through_gateway
+from firmware_bridge.families.epos2.maxon import messages
+from firmware_bridge.families.epos2.maxon.messages import Request, SendCanFrame, SendNmtService, WriteObject
+from firmware_bridge.families.epos2.maxon.opcodes import ROWS
+from firmware_bridge.families.epos2.maxon.packets import request_of
+from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
 from firmware_bridge.node import CAN, LINE_BACK, OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.maxon import messages
-from firmware_bridge.wire.maxon.messages import Request, SendCanFrame, SendNmtService, WriteObject
-from firmware_bridge.wire.maxon.opcodes import ROWS
-from firmware_bridge.wire.maxon.packets import request_of
 from hil_tests.safety.guard_bench import LINK
 from hil_tests.safety.serial_bench import (
     ENABLE,

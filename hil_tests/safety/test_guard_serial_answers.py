@@ -3,10 +3,10 @@
 import pytest
 
 from firmware_bridge.canopen import objects as od
+from firmware_bridge.families.epos2.maxon import messages
 from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.maxon import messages
 from hil_tests.safety.guard_bench import LINK
 from hil_tests.safety.serial_bench import (
     ENABLE,

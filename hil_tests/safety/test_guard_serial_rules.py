@@ -7,16 +7,16 @@ import pytest
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia301 import NmtCommand
+from firmware_bridge.families.epos2.guard.axis import GuardedAxis
+from firmware_bridge.families.epos2.guard.serial import Epos2SerialRules
+from firmware_bridge.families.epos2.guard.words import NEW_SET_POINT, GuardedSetPoint
+from firmware_bridge.families.epos2.maxon.messages import SendCanFrame, SendNmtService
+from firmware_bridge.families.motion_capture.settings import CaptureLink
 from firmware_bridge.node import LINE_LOST
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot.settings.capture import CaptureLink
 from firmware_bridge.robot_types import find, names
 from firmware_bridge.safety.guard import guarded
-from firmware_bridge.safety.guard.axis import GuardedAxis
-from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
-from firmware_bridge.safety.guard.epos2_words import NEW_SET_POINT, GuardedSetPoint
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.maxon.messages import SendCanFrame, SendNmtService
 from hil_tests.safety.guard_bench import LINK, Bench, ScriptedNode, position, wheel
 from hil_tests.safety.guard_robots import RARS
 from hil_tests.safety.serial_bench import ROBOT, SerialBench, done, reading, speed, states, value, word

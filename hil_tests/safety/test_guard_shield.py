@@ -5,16 +5,16 @@ from typing import Any, Final
 import pytest
 
 from emulators.rig import BRIDGE
-from firmware_bridge.drivers.shield.link_drivers import over_protocol
+from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
+from firmware_bridge.families.motor_shield.wire import arduinoio, firmata, motor_shield, mw
+from firmware_bridge.families.motor_shield.wire import mw_messages as messages
+from firmware_bridge.families.motor_shield.wire import ros_arduino_bridge as ros
+from firmware_bridge.families.motor_shield.wire.motor_shield import Pin
 from firmware_bridge.node import DTR_DOWN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard import Guarded, guarded
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.arduino import arduinoio, firmata, motor_shield, mw
-from firmware_bridge.wire.arduino import mw_messages as messages
-from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
-from firmware_bridge.wire.arduino.motor_shield import Pin
 from hil_tests.safety.driving import SHIELDS, driving, speed
 
 CYCLE: Final[Nanoseconds] = 50 * MILLISECOND

@@ -4,10 +4,8 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.drivers.shield.link_drivers import over_protocol
-from firmware_bridge.robot.settings.shield import ShieldLink
-from firmware_bridge.robot_types import find
-from firmware_bridge.safety.guard.shield_commands import (
+from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
+from firmware_bridge.families.motor_shield.guard.commands import (
     READERS,
     Board,
     Inputs,
@@ -15,10 +13,12 @@ from firmware_bridge.safety.guard.shield_commands import (
     libraries_in,
     no_motion,
 )
-from firmware_bridge.wire.arduino import arduinoio, firmata, motor_shield, mw
-from firmware_bridge.wire.arduino import mw_messages as messages
-from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
-from firmware_bridge.wire.arduino.motor_shield import Pin
+from firmware_bridge.families.motor_shield.settings import ShieldLink
+from firmware_bridge.families.motor_shield.wire import arduinoio, firmata, motor_shield, mw
+from firmware_bridge.families.motor_shield.wire import mw_messages as messages
+from firmware_bridge.families.motor_shield.wire import ros_arduino_bridge as ros
+from firmware_bridge.families.motor_shield.wire.motor_shield import Pin
+from firmware_bridge.robot_types import find
 from hil_tests.safety.test_guard_shield import channel, pwm, way
 
 NOTHING: Final = ListedCommand()

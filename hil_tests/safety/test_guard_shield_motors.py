@@ -8,14 +8,14 @@ from typing import Any, Final
 
 import pytest
 
-from firmware_bridge.drivers.shield.link_drivers import over_protocol
+from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
+from firmware_bridge.families.motor_shield.guard.rules import GuardedMotor, ShieldRules
+from firmware_bridge.families.motor_shield.wire import mw
+from firmware_bridge.families.motor_shield.wire import mw_messages as messages
 from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import find
-from firmware_bridge.safety.guard.shield import GuardedMotor, ShieldRules
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.arduino import mw
-from firmware_bridge.wire.arduino import mw_messages as messages
 from hil_tests.safety.test_guard_shield import CYCLE, Bench, pwm, speeds, way
 
 TICK: Final = 0.06197902

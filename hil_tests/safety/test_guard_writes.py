@@ -6,10 +6,10 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.drivers.epos2.setup import configuration, farewell
+from firmware_bridge.families.epos2.driver.setup import configuration, farewell
+from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2DigitalOutput, Epos2Link
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2DigitalOutput, Epos2Link
 from hil_tests.safety.guard_bench import LINK, Bench, aborted, frame, raw, status, write
 from hil_tests.safety.guard_robots import RARS, AnAxis, robot_with
 

@@ -8,11 +8,11 @@ import pytest
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand
+from firmware_bridge.families.epos2.maxon.messages import SendNmtService
+from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.maxon.messages import SendNmtService
 from hil_tests.safety import guard_bench, serial_bench
 
 LEFT, STEER, LIFT = 1, 3, 4

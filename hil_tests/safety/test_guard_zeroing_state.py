@@ -8,15 +8,15 @@ import pytest
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import Mode
-from firmware_bridge.safety.guard.epos2_words import (
+from firmware_bridge.families.epos2.guard.words import (
     DISABLE_VOLTAGE,
     ENABLE,
     HALT,
     NEW_SET_POINT,
     START_HOMING,
 )
-from firmware_bridge.safety.guard.zeroing import Zeroing, by_file
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.families.epos2.guard.zeroing import Zeroing, by_file
+from firmware_bridge.families.epos2.wire import address as at
 from hil_tests.safety.guard_robots import RARS
 from hil_tests.scenarios.homed import LIFT, homed
 

@@ -14,8 +14,8 @@ from emulators.testing.rig import VirtualRig
 from firmware_bridge.bridge.stops import Progress
 from firmware_bridge.drivers.all_drivers import stop_stages_of
 from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN, sequence, sums
+from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.runtime.runner import STOP_WITHIN
 from firmware_bridge.units import to_seconds
 from hil_tests.lanes import examples

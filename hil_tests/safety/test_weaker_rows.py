@@ -8,8 +8,8 @@ import pytest
 
 from firmware_bridge import robot_types
 from firmware_bridge.drivers.driver import Feedback, Power, Reports
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
-from firmware_bridge.drivers.shield.link_drivers import over_protocol
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import AnyRobot, Axis, RobotFileError
 from firmware_bridge.robots.rars import ROBOT_TYPE

@@ -7,7 +7,7 @@ from typing import Final
 
 from emulators.rig import Rig
 from emulators.testing.inherited.scripted import scripted
-from firmware_bridge.drivers.shield.link_drivers import over_protocol
+from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
 from firmware_bridge.robot_types import find
 
 FULL: Final = {"ros-arduino-bridge": 3, "arduinoio": 3, "mw": 3, "firmata": 2}

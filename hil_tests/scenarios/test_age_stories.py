@@ -3,7 +3,7 @@
 import pytest
 
 from emulators.bench.mission import Noise
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot, UnknownAge

@@ -2,8 +2,8 @@
 
 import pytest
 
+from firmware_bridge.families.epos2.settings import Epos2AnalogueInput
 from firmware_bridge.motion.ramp import MARGIN
-from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput
 from firmware_bridge.robot_types import find
 from hil_tests.scenarios.ride import ARMED, ride, step
 

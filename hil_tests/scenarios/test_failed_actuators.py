@@ -11,11 +11,11 @@ from emulators.bench.faults import Fault
 from emulators.robots.rars import RarsStep as Step
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.canopen.objects import STATUSWORD
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.wire.power_states import state_of
 from firmware_bridge.motion import davis
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
-from firmware_bridge.wire.epos2.power_states import state_of
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step
 
 RARS: Final[AnyRobot] = find("rars")

@@ -9,9 +9,9 @@ from typing import Final
 import pytest
 
 from emulators.devices import devices
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.maxon.frame import Generation
 from firmware_bridge.robot import AnyRobot, RobotFileError
-from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.scenarios.homed import LIFT, STEER, homed
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step
 

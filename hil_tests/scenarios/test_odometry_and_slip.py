@@ -17,9 +17,9 @@ from emulators.bench.columns import SAMPLE_EVERY, Samples
 from emulators.bench.summary import mean_acceleration, odometry_errors
 from emulators.run import HAND_STREAM
 from emulators.testing.inherited.scripted import mission_of, scripted
-from firmware_bridge.drivers.epos2.scale import Scale
+from firmware_bridge.families.epos2.driver.scale import Scale
+from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.motion.ramp import MARGIN
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds, to_seconds
 from fmu.rars.parameters import PARAMETERS

@@ -4,9 +4,9 @@ from typing import Final
 
 import pytest
 
+from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.motion import davis
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
 

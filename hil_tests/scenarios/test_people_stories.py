@@ -9,7 +9,7 @@ from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.mission import parse
 from emulators.devices import plant_parameters
 from emulators.rig import BRIDGE
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step

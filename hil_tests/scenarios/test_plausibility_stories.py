@@ -8,13 +8,13 @@ import pytest
 from emulators.bench.faults.site import ForeignNode
 from emulators.testing.inherited.scripted import mission_of, scripted
 from firmware_bridge.drivers.driver import Feedback, Position, Power
-from firmware_bridge.drivers.epos2.process_data import SET_POINT, SET_POINT_COB_ID
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.driver.process_data import SET_POINT, SET_POINT_COB_ID
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, CommandForm
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.snapshot import Tracking
 from firmware_bridge.safety.tracking import Followers, bounds_of

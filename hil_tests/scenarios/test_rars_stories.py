@@ -8,10 +8,10 @@ import pytest
 from emulators.bench.mission import Noise
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.canopen.objects import STATUSWORD
+from firmware_bridge.families.epos2.wire.power_states import state_of
 from firmware_bridge.motion import davis
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds, to_seconds
-from firmware_bridge.wire.epos2.power_states import state_of
 from hil_tests.scenarios.ride import ARMED, Ridden, step
 
 STEERED: Final = 0.03

@@ -15,8 +15,9 @@ from emulators.recorded import CHUNKS, FRAMES, SIGHTS, WORDS, recorded
 from emulators.replay import Into, RecordingFileError, ReplayOrder, replay
 from emulators.run import HAND_STREAM
 from emulators.testing.inherited.scripted import mission_of, scripted
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
-from firmware_bridge.drivers.shield.link_drivers import over_protocol
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
 from firmware_bridge.node import OPERATOR, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.recording import (
@@ -33,7 +34,6 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds, from_seconds
-from firmware_bridge.wire.maxon.frame import Generation
 
 REAL: Final = 1_700_000_000 * SECOND
 """Some clock of a real machine."""

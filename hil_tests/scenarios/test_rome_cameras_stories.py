@@ -12,7 +12,7 @@ from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.path_error import Followed, path_error
 from emulators.rig import Rig
 from emulators.testing.inherited.scripted import scripted
-from firmware_bridge.drivers.shield.link_drivers import over_protocol
+from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
 from firmware_bridge.motion.captured import Source
 from firmware_bridge.robot_types import find
 

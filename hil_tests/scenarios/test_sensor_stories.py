@@ -5,8 +5,8 @@ import pytest
 from emulators.servo.axis_faults import AxisFaults, SensorWires
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.canopen.objects import ERROR_HISTORY_COUNT, STATUSWORD
-from firmware_bridge.wire.epos2.emergency import SENSOR_BREACH
-from firmware_bridge.wire.epos2.power_states import state_of
+from firmware_bridge.families.epos2.wire.emergency import SENSOR_BREACH
+from firmware_bridge.families.epos2.wire.power_states import state_of
 from hil_tests.scenarios.ride import ARMED, Ridden, step
 
 

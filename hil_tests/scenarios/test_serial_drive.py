@@ -18,15 +18,15 @@ from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.epos2.settings import Epos2Link, nodes_on
+from firmware_bridge.families.epos2.wire.power_states import state_of
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Link, nodes_on
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
-from firmware_bridge.wire.epos2.power_states import state_of
-from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
 
 if TYPE_CHECKING:

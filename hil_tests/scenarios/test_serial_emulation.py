@@ -12,13 +12,19 @@ from typing import NamedTuple
 import pytest
 import serial
 
+from firmware_bridge.families.epos2.maxon.frame import Generation, MaxonAnswer
+from firmware_bridge.families.epos2.maxon.lines import host_end
+from firmware_bridge.families.epos2.maxon.messages import (
+    Answer,
+    ObjectRead,
+    ReadObject,
+    Request,
+    WriteObject,
+)
+from firmware_bridge.families.epos2.maxon.opcodes import decode_answer, encode_request
+from firmware_bridge.families.epos2.maxon.v1 import FRAME_TIMEOUT
 from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.maxon.frame import Generation, MaxonAnswer
-from firmware_bridge.wire.maxon.lines import host_end
-from firmware_bridge.wire.maxon.messages import Answer, ObjectRead, ReadObject, Request, WriteObject
-from firmware_bridge.wire.maxon.opcodes import decode_answer, encode_request
-from firmware_bridge.wire.maxon.v1 import FRAME_TIMEOUT
 from hil_tests.lanes import HUNG_S
 
 PROGRAM = Path(sys.executable).with_name("firmware-bridge")

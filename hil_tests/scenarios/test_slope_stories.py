@@ -9,10 +9,10 @@ from emulators.robots.rars import RarsStep as Step
 from firmware_bridge.bridge import Phase
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.wire.power_states import state_of
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
-from firmware_bridge.wire.epos2.power_states import state_of
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
 
 RARS: Final[AnyRobot] = find("rars")
@@ -283,7 +283,7 @@ def test_a_bridge_that_dies_on_a_slope_leaves_the_robot_to_roll(rides: Ridden) -
 def test_a_driver_that_reports_no_current_keeps_the_power(
     rides: Ridden, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("firmware_bridge.drivers.epos2.drive.REPORTS", frozenset())
+    monkeypatch.setattr("firmware_bridge.families.epos2.driver.drive.REPORTS", frozenset())
     one = rides(ARMED, *BRAKED, STOPPED, seconds=20, robot=on_slope(0))
     one.runs_until(STOPPED_S + 1.5)
     assert states(one) == {PowerState.QUICK_STOP_ACTIVE}

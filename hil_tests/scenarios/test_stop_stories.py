@@ -12,15 +12,15 @@ from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.settings import Epos2Link
+from firmware_bridge.families.epos2.wire.power_states import state_of
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.robot_types import find, robot_type_of
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import to_seconds
-from firmware_bridge.wire.epos2.power_states import state_of
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step
 
 if TYPE_CHECKING:

@@ -9,11 +9,11 @@ from typing import Final
 import pytest
 
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.maxon.frame import Generation
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
-from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step
 
 CAN: Final = find("rars")

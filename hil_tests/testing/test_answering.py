@@ -21,7 +21,7 @@ from emulators.testing.answering import (
 from emulators.testing.buses import Bus
 from emulators.testing.emulated import Drives
 from emulators.testing.errors import RigError
-from firmware_bridge.wire.maxon.frame import Generation
+from firmware_bridge.families.epos2.maxon.frame import Generation
 
 REQUESTED: Final = bytes.fromhex("90 02 10 02 00 10 00 02 DF F2")
 """ReadObject 0x1000 of node 2, and its answer: EPOS2 Application Notes Collection, April 2013, p. 11-164."""

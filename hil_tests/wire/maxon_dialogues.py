@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from firmware_bridge.wire.maxon.frame import Generation
+from firmware_bridge.families.epos2.maxon.frame import Generation
 from hil_tests.rows import every
 from hil_tests.wire.maxon_frames import EXCHANGES, Exchange
 

@@ -2,10 +2,10 @@
 
 import pytest
 
+from firmware_bridge.families.epos2.maxon.end import DeviceEnd
+from firmware_bridge.families.epos2.maxon.frame import Frame, Generation
+from firmware_bridge.families.epos2.maxon.lines import device_end
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.maxon.end import DeviceEnd
-from firmware_bridge.wire.maxon.frame import Frame, Generation
-from firmware_bridge.wire.maxon.lines import device_end
 
 TIMEOUT: Nanoseconds = 500 * MILLISECOND
 BAD_CHECKSUM = 0x0504_0004

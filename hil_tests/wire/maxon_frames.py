@@ -7,7 +7,7 @@ computed by the rules of those documents with values that no device has sent.
 
 from dataclasses import dataclass
 
-from firmware_bridge.wire.maxon.messages import (
+from firmware_bridge.families.epos2.maxon.messages import (
     Answer,
     Done,
     FrameRead,

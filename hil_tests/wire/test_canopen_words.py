@@ -20,8 +20,8 @@ from firmware_bridge.canopen.cia301 import (
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.emergency import FaultReaction
 from firmware_bridge.canopen.pdo import Layout, MappingEntry
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.emergency import EMERGENCIES
+from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.emergency import EMERGENCIES
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from firmware_bridge.canopen.cia402 import (
     towards,
     word_of,
 )
-from firmware_bridge.wire.epos2.power_states import STATUSWORDS
+from firmware_bridge.families.epos2.wire.power_states import STATUSWORDS
 
 S = PowerState
 # Where each command leads at last, once the states that end by themselves have ended, or None where it does

@@ -3,9 +3,16 @@
 import pytest
 
 from firmware_bridge.canopen.object_row import Provenance
-from firmware_bridge.wire.maxon import messages
-from firmware_bridge.wire.maxon.frame import ANSWER, Frame, Generation, checksum, encode_v1, encode_v2
-from firmware_bridge.wire.maxon.messages import (
+from firmware_bridge.families.epos2.maxon import messages
+from firmware_bridge.families.epos2.maxon.frame import (
+    ANSWER,
+    Frame,
+    Generation,
+    checksum,
+    encode_v1,
+    encode_v2,
+)
+from firmware_bridge.families.epos2.maxon.messages import (
     Answer,
     Done,
     FrameRead,
@@ -18,7 +25,7 @@ from firmware_bridge.wire.maxon.messages import (
     more_of,
     toggle_of,
 )
-from firmware_bridge.wire.maxon.opcodes import (
+from firmware_bridge.families.epos2.maxon.opcodes import (
     COMMANDS,
     ROWS,
     decode_answer,
@@ -28,8 +35,8 @@ from firmware_bridge.wire.maxon.opcodes import (
     encode_request,
     row_of,
 )
-from firmware_bridge.wire.maxon.v1 import Rest
-from firmware_bridge.wire.maxon.v2 import Damaged, FrameReader
+from firmware_bridge.families.epos2.maxon.v1 import Rest
+from firmware_bridge.families.epos2.maxon.v2 import Damaged, FrameReader
 from hil_tests.wire.maxon_frames import EPOS4_STUFFED, EXCHANGES, Exchange
 
 TABLE: tuple[tuple[int, Request, str, Answer, str], ...] = (

@@ -2,9 +2,9 @@
 
 import pytest
 
+from firmware_bridge.families.epos2.maxon.frame import Frame, Generation, encode_v2
+from firmware_bridge.families.epos2.maxon.v1 import ROOM
 from firmware_bridge.units import NEVER
-from firmware_bridge.wire.maxon.frame import Frame, Generation, encode_v2
-from firmware_bridge.wire.maxon.v1 import ROOM
 from hil_tests.wire.maxon_ends import (
     BAD_CHECKSUM,
     READ,

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 
+from firmware_bridge.families.epos2.maxon.end import DeviceEnd, HostEnd
+from firmware_bridge.families.epos2.maxon.frame import Generation, MaxonAnswer, Outcome
+from firmware_bridge.families.epos2.maxon.lines import host_end
+from firmware_bridge.families.epos2.maxon.opcodes import encode_answer, encode_request, row_of
 from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire.maxon.end import DeviceEnd, HostEnd
-from firmware_bridge.wire.maxon.frame import Generation, MaxonAnswer, Outcome
-from firmware_bridge.wire.maxon.lines import host_end
-from firmware_bridge.wire.maxon.opcodes import encode_answer, encode_request, row_of
 from hil_tests.wire.maxon_dialogues import Cut, dialogue, every_exchange, fragmented, golden
 from hil_tests.wire.maxon_ends import TIMEOUT, device
 from hil_tests.wire.maxon_frames import Exchange

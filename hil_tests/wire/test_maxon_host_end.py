@@ -2,9 +2,9 @@
 
 import pytest
 
+from firmware_bridge.families.epos2.maxon.frame import Failure, Generation, MaxonAnswer
+from firmware_bridge.families.epos2.maxon.lines import host_end
 from firmware_bridge.units import NEVER
-from firmware_bridge.wire.maxon.frame import Failure, Generation, MaxonAnswer
-from firmware_bridge.wire.maxon.lines import host_end
 from hil_tests.wire.maxon_ends import READ, REQUESTED_V1, REQUESTED_V2, TIMEOUT, both
 
 

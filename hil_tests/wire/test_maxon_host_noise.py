@@ -2,10 +2,10 @@
 
 from itertools import groupby
 
+from firmware_bridge.families.epos2.maxon.frame import Generation, MaxonAnswer
+from firmware_bridge.families.epos2.maxon.lines import host_end
+from firmware_bridge.families.epos2.maxon.opcodes import encode_answer, encode_request, row_of
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.maxon.frame import Generation, MaxonAnswer
-from firmware_bridge.wire.maxon.lines import host_end
-from firmware_bridge.wire.maxon.opcodes import encode_answer, encode_request, row_of
 from hil_tests.wire.maxon_dialogues import Cut, dialogue, every_exchange, fragmented
 from hil_tests.wire.maxon_frames import Exchange
 

@@ -6,8 +6,7 @@ Source: comments in maxon's own library for PCs, for both protocols.
 import pytest
 
 from firmware_bridge.canopen.cia301 import NmtCommand
-from firmware_bridge.units import MILLISECOND, NEVER
-from firmware_bridge.wire.maxon.frame import (
+from firmware_bridge.families.epos2.maxon.frame import (
     Failure,
     Frame,
     Generation,
@@ -16,9 +15,10 @@ from firmware_bridge.wire.maxon.frame import (
     encode_v1,
     encode_v2,
 )
-from firmware_bridge.wire.maxon.lines import host_end
-from firmware_bridge.wire.maxon.messages import Done, SendNmtService
-from firmware_bridge.wire.maxon.opcodes import RESETS_WITHIN, encode_answer, encode_request
+from firmware_bridge.families.epos2.maxon.lines import host_end
+from firmware_bridge.families.epos2.maxon.messages import Done, SendNmtService
+from firmware_bridge.families.epos2.maxon.opcodes import RESETS_WITHIN, encode_answer, encode_request
+from firmware_bridge.units import MILLISECOND, NEVER
 from hil_tests.wire.maxon_ends import TIMEOUT, device
 
 RESETS = (NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION)

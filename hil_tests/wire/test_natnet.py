@@ -6,13 +6,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_bridge.wire.natnet import frame as frames
-from firmware_bridge.wire.natnet import layout, messages, models
-from firmware_bridge.wire.natnet.frame import Frame, LabeledMarker, RigidBody
-from firmware_bridge.wire.natnet.glance import glance
-from firmware_bridge.wire.natnet.layout import FIRST, LAST, NatNetError, Version
-from firmware_bridge.wire.natnet.messages import Connect, MessageId, ServerInfo, packet, split
-from firmware_bridge.wire.natnet.models import ModelMarker, RigidBodyModel
+from firmware_bridge.families.motion_capture.wire import frame as frames
+from firmware_bridge.families.motion_capture.wire import layout, messages, models
+from firmware_bridge.families.motion_capture.wire.frame import Frame, LabeledMarker, RigidBody
+from firmware_bridge.families.motion_capture.wire.glance import glance
+from firmware_bridge.families.motion_capture.wire.layout import FIRST, LAST, NatNetError, Version
+from firmware_bridge.families.motion_capture.wire.messages import (
+    Connect,
+    MessageId,
+    ServerInfo,
+    packet,
+    split,
+)
+from firmware_bridge.families.motion_capture.wire.models import ModelMarker, RigidBodyModel
 from hil_tests.rows import every
 
 T = TypeVar("T")

@@ -8,8 +8,8 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import Access, DataType
 from firmware_bridge.canopen.object_row import ObjectRow, Provenance
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.differences import objects_of
+from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.differences import objects_of
 from hil_tests.rows import every
 
 ROWS = every("row", objects_of().values(), ids=lambda row: row.address)

@@ -7,7 +7,7 @@ from typing import Final
 import emulators
 from emulators.arduino_omni.faults import ROWS
 from emulators.documents.fidelity import stated
-from firmware_bridge.wire.arduino import arduinoio, mw, ros_arduino_bridge
+from firmware_bridge.families.motor_shield.wire import arduinoio, mw, ros_arduino_bridge
 
 TEXT: Final = """Registers, libraries and protocols follow their sources, which the modules
 name: data sheets, the Arduino core, libraries and sketches. None of it was recorded from a board. The sketch

@@ -8,10 +8,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final
 
+from firmware_bridge.families.epos2.settings import Epos2AnalogueInput
 from firmware_bridge.motion.davis import outer_from_rack, rack_from_steer
 from firmware_bridge.motion.scissor import ScissorLift, highest
 from firmware_bridge.robot import AnyRobot, Robot
-from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput
 from firmware_bridge.robot_types import find
 from firmware_bridge.robots.climber.geometry import ClimberGeometry
 from firmware_bridge.robots.rars.geometry import RarsGeometry

@@ -10,7 +10,7 @@ from emulators.canopen.power_states import Happening
 from emulators.epos2.control.power_states import TRANSITIONS
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.canopen.emergency import Emergency, FaultReaction, Recovery
-from firmware_bridge.wire.epos2.emergency import EMERGENCIES
+from firmware_bridge.families.epos2.wire.emergency import EMERGENCIES
 
 HEADINGS: Final = (
     "code",

@@ -3,10 +3,10 @@
 from typing import Final
 
 OBJECTS_TEXT: Final = """{objects} objects under {indexes} indexes, as a 70/10 has them; the other types
-differ in identity and current limits, and in the rows of `wire.epos2.differences`. `receive` and `transmit`
-are the PDOs that may carry an object; `kept`: 'save' (0x1010) stores it; an empty bound depends on the type.
-Each emulated drive adds its node number to the serial number (0x1018:04, 0x2004, 0x2FFF), so that no two are
-equal. The source of each object is in [fidelity](fidelity.md). The same as JSON:
+differ in identity and current limits, and in the rows of `families.epos2.wire.differences`. `receive` and
+`transmit` are the PDOs that may carry an object; `kept`: 'save' (0x1010) stores it; an empty bound depends on
+the type. Each emulated drive adds its node number to the serial number (0x1018:04, 0x2004, 0x2FFF), so that
+no two are equal. The source of each object is in [fidelity](fidelity.md). The same as JSON:
 `firmware-bridge epos2 objects --json`."""
 FIDELITY_TEXT: Final = """* **Proven**: from maxon's EDS of the 70/10, or recorded from a device.
 * **Documented**: from a document on the EPOS2, from maxon's command library, or from the standard that the

@@ -19,9 +19,9 @@ from emulators.run import RunOrder, drive
 from firmware_bridge.cli.monitor_table import drawn
 from firmware_bridge.dissector.bus_picture import BusPicture
 from firmware_bridge.dissector.expected import can_links, expected_on
+from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.recording import parse_candump
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.robot_types import find
 
 FOLDER: Final = Path(__file__).parents[2] / "docs" / "pictures"

@@ -8,17 +8,17 @@ import firmware_bridge
 from firmware_bridge import robot_types
 from firmware_bridge.drivers.all_drivers import reports_of, stop_stages_of
 from firmware_bridge.drivers.driver import Reports
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
-from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.drivers.stop_stages import StopStage, sequence, sums
+from firmware_bridge.families.ar2.guard import GuardedJoint
+from firmware_bridge.families.ar2.settings import Ar2Link
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.guard.bounds import targets
+from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
+from firmware_bridge.families.motor_shield.guard.rules import GuardedMotor
+from firmware_bridge.families.motor_shield.settings import ShieldLink, ShieldProtocol
 from firmware_bridge.robot import AnyRobot, Axis, CommandForm
-from firmware_bridge.robot.settings.ar2 import Ar2Link
-from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
 from firmware_bridge.robot_type import AnyRobotType
 from firmware_bridge.safety.common import AXIS_INTERLOCKS, EXCLUDED_AXIS, whole_robot_interlocks
-from firmware_bridge.safety.guard.ar2 import GuardedJoint
-from firmware_bridge.safety.guard.bounds import targets
-from firmware_bridge.safety.guard.shield import GuardedMotor
 from firmware_bridge.safety.interlock import AxisInterlock
 from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.safety.tracking import bounds_of, within

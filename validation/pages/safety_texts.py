@@ -9,10 +9,10 @@ from firmware_bridge.bridge.power_down import LOOKS_FOR, WATCHED_FOR
 from firmware_bridge.bridge.stops import RAMPED_WITHIN
 from firmware_bridge.drivers.all_drivers import alone
 from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN
+from firmware_bridge.families.ar2.settings import Ar2Link
+from firmware_bridge.families.motor_shield.settings import ShieldLink, ShieldProtocol
 from firmware_bridge.family import family_of
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.ar2 import Ar2Link
-from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
 from firmware_bridge.units import MILLISECOND, SECOND
 
 STOPS_TEXT: Final = """Each stop of an axis must be confirmed by a report of its device

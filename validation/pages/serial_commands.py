@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Final
 
-from firmware_bridge.wire.maxon.frame import Generation
-from firmware_bridge.wire.maxon.opcodes import ROWS, Opcode, Shape
+from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.epos2.maxon.opcodes import ROWS, Opcode, Shape
 
 HEADINGS: Final = ("opcode", "command", "data", "answer", "V1", "V2", "known", "source", "tests")
 UNTESTED: Final = "none"

@@ -5,7 +5,7 @@ from typing import Final
 from emulators.canopen.power_states import Happening, PowerStageEffect, RampOption, Transition
 from emulators.epos2.control.power_states import TRANSITIONS
 from firmware_bridge.canopen.cia402 import ControlwordCommand, PowerState
-from firmware_bridge.wire.epos2.power_states import STATUSWORDS
+from firmware_bridge.families.epos2.wire.power_states import STATUSWORDS
 
 HEADINGS: Final = ("no.", "from", "on", "to", "power stage", "slow-down requested by")
 _FAULT: Final = 13

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from firmware_bridge.wire.arduino import ar2
+from firmware_bridge.families.ar2 import wire
 
-COMMANDS: Final = frozenset(ar2.COMMANDS)
+COMMANDS: Final = frozenset(wire.COMMANDS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,10 +34,10 @@ class Firmware:
 
 FIRMWARES: Final[Mapping[str, Firmware]] = MappingProxyType(
     {
-        "2.0": Firmware("AR2 2.0", ar2.BAUD, (b"P\r", b"F\r"), (b"T\r", b"F\r")),
+        "2.0": Firmware("AR2 2.0", wire.BAUD, (b"P\r", b"F\r"), (b"T\r", b"F\r")),
         "1.5": Firmware(
             "AR2 1.5",
-            ar2.OLD_BAUD,
+            wire.OLD_BAUD,
             (b"pass\n\r\n", b"fail\n\r\n"),
             (b"True\n\r\n", b"False\n\r\n"),
             COMMANDS - {"TM", "ML"},

@@ -31,8 +31,8 @@ from emulators.arduino_omni.mega.arithmetic import atoi, int16, single, truncate
 from emulators.arduino_omni.mega.jobs import Call, Delay, Say
 from emulators.arduino_omni.mega.mega import Mega
 from emulators.arduino_omni.mega.pins import FIRST_ANALOG, INPUT_PULLUP, OUTPUT
+from firmware_bridge.families.ar2 import wire
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, Nanoseconds
-from firmware_bridge.wire.arduino import ar2 as wire
 
 LETTERS: Final = wire.LETTERS
 OUTPUTS: Final = range(38, 54)

@@ -1,1 +1,1 @@
-"""Firmwares for the board, one module each; what is on the wire stands in `firmware_bridge.wire.arduino`."""
+"""Firmwares for the board, one module each; the wire is in `firmware_bridge.families.motor_shield.wire`."""

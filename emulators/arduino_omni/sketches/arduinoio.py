@@ -1,6 +1,6 @@
 """The sketch motor_v2 of ArduinoIO: a byte at a time, no time-out, nothing that stops by itself.
 
-Source: as of `firmware_bridge.wire.arduino.arduinoio`. A byte that does not fit ends the command in silence,
+Source: `families.motor_shield.wire.arduinoio`. A byte that does not fit ends the command in silence,
 and is used up.
 
 Where it is silent:
@@ -17,8 +17,8 @@ from emulators.arduino_omni.mega.mega import CONVERSION, Mega
 from emulators.arduino_omni.mega.pins import INPUT_PULLUP, Counter
 from emulators.arduino_omni.shield.i2c import write
 from emulators.arduino_omni.shield.motor_shield import PORTS
+from firmware_bridge.families.motor_shield.wire import arduinoio as wire
 from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire.arduino import arduinoio as wire
 
 COUNTER_BITS: Final = 16
 STOCK_ENCODERS: Final = 2

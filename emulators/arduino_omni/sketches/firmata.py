@@ -31,8 +31,8 @@ from emulators.arduino_omni.sketches.firmata_pins import (
     RESOLUTIONS,
     modes,
 )
+from firmware_bridge.families.motor_shield.wire import firmata as wire
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, Nanoseconds
-from firmware_bridge.wire.arduino import firmata as wire
 
 VERSION: Final = b"\x02\x05"
 STANDARD: Final = "StandardFirmata.ino"

@@ -1,6 +1,6 @@
 """The sketch of MATLAB's Arduino package: MWProtocol, motor shield, rotary encoders; no loop on the board.
 
-Source: as of `firmware_bridge.wire.arduino.mw`. A damaged frame and an unknown command have no answer. Each
+Source: `families.motor_shield.wire.mw`. A damaged frame and an unknown command have no answer. Each
 byte of a frame has a second to come; what waits when an answer has gone is thrown away.
 
 Where it is silent:
@@ -23,9 +23,9 @@ from emulators.arduino_omni.mega.mega import CONVERSION, Mega
 from emulators.arduino_omni.mega.pins import FIRST_ANALOG, LED, OUTPUT, Counter
 from emulators.arduino_omni.shield.i2c import write
 from emulators.arduino_omni.shield.motor_shield import Port
+from firmware_bridge.families.motor_shield.wire import mw
+from firmware_bridge.families.motor_shield.wire import mw_messages as messages
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire.arduino import mw
-from firmware_bridge.wire.arduino import mw_messages as messages
 
 VERSION: Final = (17, 1)
 BOARD: Final = b"Mega2560"

@@ -36,8 +36,8 @@ from emulators.arduino_omni.mega.pins import (
 )
 from emulators.arduino_omni.shield.motor_shield import PORTS
 from emulators.arduino_omni.sketches.motor_pid import MAX_PWM, Gains, MotorPid
+from firmware_bridge.families.motor_shield.wire import ros_arduino_bridge as wire
 from firmware_bridge.units import SECOND, Nanoseconds
-from firmware_bridge.wire.arduino import ros_arduino_bridge as wire
 
 PID_INTERVAL: Final = 1_000 // 30
 """ms; the division is the sketch's."""

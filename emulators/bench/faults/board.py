@@ -13,10 +13,10 @@ from emulators.arduino_omni.board import Board
 from emulators.arduino_omni.motors import Motors
 from emulators.bench.faults.fault import Fault, Lasting, Node, Problem, Stations
 from emulators.bench.faults.site import Site
+from firmware_bridge.families.ar2.settings import Ar2Link
+from firmware_bridge.families.motor_shield.settings import ShieldAxis, ShieldLink
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near
-from firmware_bridge.robot.settings.ar2 import Ar2Link
-from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldLink
 from firmware_bridge.units import MILLISECOND, NEVER
 
 One = Annotated[Node, Field(description="affected motor")]

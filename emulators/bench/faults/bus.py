@@ -22,8 +22,8 @@ from emulators.bench.faults.site import Site
 from emulators.wires import Disturbance, Effect
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen.cia301 import NmtCommand
+from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER
 
 _COMMANDS: Final = {

@@ -11,8 +11,8 @@ from emulators.bench.faults.fault import Lasting, Positive, Problem, Share, Stat
 from emulators.bench.faults.site import Site
 from emulators.motion_capture.exposure import Hidden, Shaken, Swapped
 from emulators.wires import Impairment
+from firmware_bridge.families.motion_capture.settings import CaptureLink
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.capture import CaptureLink
 from firmware_bridge.units import MILLISECOND
 
 

@@ -11,8 +11,8 @@ from emulators.bench.faults.fault import Lasting, Node, Positive, Problem, Stati
 from emulators.bench.faults.site import Site
 from emulators.servo.axis import AMBIENT_MC, GATE_MV, LOGIC_MV, ServoAxis
 from emulators.servo.sensors import BROKEN, INDEX_MISSING, INDEX_SPURIOUS, SWAPPED
+from firmware_bridge.families.motor_shield.settings import ShieldAxis
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.shield import ShieldAxis
 
 MILLI = 1000
 One = Annotated[Node, Field(description="affected drive")]

@@ -9,10 +9,10 @@ from numpy.random import Generator
 from pydantic import Field, model_validator
 
 from emulators.bench.faults.site import BRIDGE, Site
+from firmware_bridge.families.epos2.settings import Epos2Driver, Epos2Link
+from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near
-from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
-from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.robot.table import Table
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 

@@ -11,10 +11,10 @@ from emulators.bench.faults.fault import Lasting, NonNegative, Positive, Problem
 from emulators.bench.faults.site import Site
 from emulators.wires import Impairment
 from emulators.world import WorldError
+from firmware_bridge.families.ar2.settings import Ar2Link
+from firmware_bridge.families.epos2.settings import Epos2Driver, Epos2Link
+from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.ar2 import Ar2Link
-from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
-from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import MILLISECOND
 
 Sender = Annotated[

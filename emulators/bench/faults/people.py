@@ -8,8 +8,8 @@ from pydantic import Field, model_validator
 
 from emulators.bench.faults.fault import Lasting, Problem, Stations
 from emulators.bench.faults.site import BRIDGE, SECOND_BRIDGE, Site
+from firmware_bridge.families.epos2.settings import Epos2Driver
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.units import from_seconds
 
 

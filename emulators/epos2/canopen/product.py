@@ -22,7 +22,7 @@ from emulators.epos2.objects.device_profile import (
 )
 from emulators.epos2.objects.parameters import RESTORE_COMMANDS, is_parameter
 from firmware_bridge.canopen.abort import AbortCode
-from firmware_bridge.wire.epos2 import emergency
+from firmware_bridge.families.epos2.wire import emergency
 
 POWER_STAGE: Final = 1 << 4
 """Statusword bit; 0x1011 refuses while it is set."""

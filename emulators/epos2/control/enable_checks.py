@@ -12,8 +12,8 @@ from typing import Final
 from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.control.sensing import CONTROLLER_STRUCTURE
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2 import emergency
+from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire import emergency
 
 GEAR_NUMERATOR: Final = Address(0x2230, 1)
 GEAR_DENOMINATOR: Final = Address(0x2230, 2)

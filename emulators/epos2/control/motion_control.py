@@ -30,8 +30,8 @@ from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState, Status
 from firmware_bridge.canopen.emergency import NO_ERROR
+from firmware_bridge.families.epos2.wire import emergency
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.epos2 import emergency
 
 # The statusword's bits as plain numbers: it is put together with every frame, and flags are slow to join.
 _STAGE_ON: Final = 1 << 4

@@ -17,9 +17,9 @@ from emulators.servo.sensors import align
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import ControlwordCommand, PowerState
+from firmware_bridge.families.epos2.wire.functions import OutputFunction
+from firmware_bridge.families.epos2.wire.power_states import STATUSWORDS
 from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire.epos2.functions import OutputFunction
-from firmware_bridge.wire.epos2.power_states import STATUSWORDS
 
 _FAULTS: Final = frozenset(
     {PowerState.FAULT, PowerState.FAULT_REACTION_ENABLED, PowerState.FAULT_REACTION_DISABLED}

@@ -12,7 +12,7 @@ from emulators.epos2.control.supervision import WATCHED
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.families.epos2.wire import address as at
 
 
 class StandingErrors:

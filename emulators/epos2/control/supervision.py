@@ -17,8 +17,8 @@ from emulators.servo import axis as servo
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.canopen.emergency import FaultReaction, Recovery
-from firmware_bridge.wire.epos2 import emergency
-from firmware_bridge.wire.epos2.emergency import EMERGENCIES
+from firmware_bridge.families.epos2.wire import emergency
+from firmware_bridge.families.epos2.wire.emergency import EMERGENCIES
 
 
 @dataclass(frozen=True, slots=True)

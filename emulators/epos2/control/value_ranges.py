@@ -16,9 +16,14 @@ from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import FIRST_NODE, LAST_NODE, TIME_STAMP
 from firmware_bridge.canopen.object_row import Provenance
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.functions import INPUT_PINS, OUTPUT_PINS, InputFunction, OutputFunction
-from firmware_bridge.wire.epos2.rows import (
+from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.functions import (
+    INPUT_PINS,
+    OUTPUT_PINS,
+    InputFunction,
+    OutputFunction,
+)
+from firmware_bridge.families.epos2.wire.rows import (
     APPLICATION_NOTES,
     ASSUMPTION,
     EDS,

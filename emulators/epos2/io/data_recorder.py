@@ -20,7 +20,7 @@ from emulators.servo.recorder import ERROR
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.families.epos2.wire import address as at
 
 CONTROL: Final = Address(0x2010)
 CONFIGURATION: Final = Address(0x2011)

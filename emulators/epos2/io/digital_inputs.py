@@ -12,8 +12,8 @@ from typing import Final
 from emulators.canopen.object_store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen.cia402 import ControlwordCommand
-from firmware_bridge.wire.epos2 import emergency
-from firmware_bridge.wire.epos2.functions import (
+from firmware_bridge.families.epos2.wire import emergency
+from firmware_bridge.families.epos2.wire.functions import (
     INPUT_EXECUTION,
     INPUT_MASK,
     INPUT_PINS,

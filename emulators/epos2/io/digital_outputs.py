@@ -8,7 +8,7 @@ while there is no fault; "holding brake" is active while the brake is released, 
 from emulators.canopen.object_store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.pins import BRAKE_CLOSED
-from firmware_bridge.wire.epos2.functions import (
+from firmware_bridge.families.epos2.wire.functions import (
     GENERAL_OUTPUTS,
     OUTPUT_MASK,
     OUTPUT_PINS,

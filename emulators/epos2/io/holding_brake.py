@@ -12,8 +12,8 @@ from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.io.digital_outputs import DigitalOutputs
 from emulators.servo.axis import AT_REST, ServoAxis
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.families.epos2.wire.functions import OutputFunction
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
-from firmware_bridge.wire.epos2.functions import OutputFunction
 
 RISE_TIME: Final = Address(0x2100, 1)
 FALL_TIME: Final = Address(0x2100, 2)

@@ -16,7 +16,7 @@ from emulators.epos2.io.digital_outputs import DigitalOutputs
 from emulators.servo.axis import ServoAxis
 from emulators.servo.compare import DOWNWARDS, UPWARDS
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.wire.epos2.functions import OutputFunction
+from firmware_bridge.families.epos2.wire.functions import OutputFunction
 
 CONFIGURATION: Final = Address(0x207A, 1)
 REFERENCE: Final = Address(0x207A, 2)

@@ -15,7 +15,7 @@ from emulators.epos2.io.digital_inputs import DigitalInputs
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION, InputFunction
+from firmware_bridge.families.epos2.wire.functions import INPUT_EXECUTION, InputFunction
 
 CAPTURED: Final = Address(0x2074, 1)
 EDGE_TYPE: Final = Address(0x2074, 2)

@@ -19,7 +19,7 @@ from emulators.epos2.modes.shaft import Shaft
 from emulators.servo.axis import CURRENT, DIRECT
 from emulators.servo.commands import regulate_position, regulate_velocity
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.families.epos2.wire import address as at
 
 
 class DirectMode(ModeOfOperation, ABC):

@@ -17,7 +17,7 @@ from emulators.servo.axis import CURRENT_REACHED, TARGET_REACHED
 from emulators.servo.commands import displace
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import ControlwordBit, Status
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.families.epos2.wire import address as at
 
 _START: Final = int(ControlwordBit.NEW_SETPOINT)
 _ATTAINED: Final = int(Status.HOMING_ATTAINED)

@@ -19,7 +19,7 @@ from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.objects.device_profile import BUFFER_FREE, BUFFER_SIZE
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.wire.epos2.pvt import PvtRecord
+from firmware_bridge.families.epos2.wire.pvt import PvtRecord
 
 DATA_RECORD: Final = Address(0x20C1)
 BUFFER_STATUS: Final = Address(0x20C4, 1)

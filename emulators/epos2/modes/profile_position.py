@@ -15,7 +15,7 @@ from emulators.servo.axis import MOVE, PROFILE_DONE
 from emulators.servo.scaling import speed_units
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import ControlwordBit, Status
-from firmware_bridge.wire.epos2 import emergency
+from firmware_bridge.families.epos2.wire import emergency
 
 # The controlword's bits as plain numbers: flags are slow, and every set-point is looked at.
 _NEW_SETPOINT: Final = int(ControlwordBit.NEW_SETPOINT)

@@ -29,7 +29,7 @@ from emulators.servo.scaling import acceleration_units, speed_units
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.emergency import NO_ERROR
-from firmware_bridge.wire.epos2 import emergency
+from firmware_bridge.families.epos2.wire import emergency
 
 LONGEST_MOVE_MS: Final = (1 << 31) - 1
 

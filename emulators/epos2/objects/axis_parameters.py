@@ -12,7 +12,7 @@ from emulators.servo.record import ServoRecord
 from emulators.servo.scaling import raw_speed_rpm, speed_rpm
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.families.epos2.wire import address as at
 
 STANDSTILL_WINDOW: Final = Address(0x2101, 1)
 STANDSTILL_TIME: Final = Address(0x2101, 2)

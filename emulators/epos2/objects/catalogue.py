@@ -2,7 +2,7 @@
 
 A figure without a source is marked, not invented: an unknown hardware version is none, and the drive returns
 0. Limits that are assumed are there because a drive needs a limit, and are marked as assumed. Types without a
-row in `wire.epos2.differences` answer with the object dictionary of the 70/10.
+row in `families.epos2.wire.differences` answer with the object dictionary of the 70/10.
 """
 
 from collections.abc import Mapping
@@ -11,9 +11,9 @@ from typing import Final
 
 from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile, Known
 from firmware_bridge.canopen.object_row import Provenance
-from firmware_bridge.wire.epos2.differences import EDS_50_5
-from firmware_bridge.wire.epos2.hardware import TYPES
-from firmware_bridge.wire.epos2.rows import EDS
+from firmware_bridge.families.epos2.wire.differences import EDS_50_5
+from firmware_bridge.families.epos2.wire.hardware import TYPES
+from firmware_bridge.families.epos2.wire.rows import EDS
 
 _NAME: Final = Known(Provenance.DOCUMENTED, "the type's name gives supply and continuous current")
 _PEAK: Final = Known(Provenance.ASSUMED, "own assumption: twice the continuous current; no document at hand")

@@ -14,11 +14,10 @@ from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.object_dictionary import ObjectDictionary
 from firmware_bridge.canopen.object_row import Provenance
-from firmware_bridge.units import MICROSECOND, Nanoseconds
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.differences import DIFFERENCES, objects_of
-from firmware_bridge.wire.epos2.hardware import TYPES
-from firmware_bridge.wire.epos2.rows import (
+from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.differences import DIFFERENCES, objects_of
+from firmware_bridge.families.epos2.wire.hardware import TYPES
+from firmware_bridge.families.epos2.wire.rows import (
     APPLICATION_NOTES,
     ASSUMPTION,
     CIA_301,
@@ -27,6 +26,7 @@ from firmware_bridge.wire.epos2.rows import (
     FIRMWARE_SPECIFICATION,
     LIBRARY,
 )
+from firmware_bridge.units import MICROSECOND, Nanoseconds
 
 NODE_NUMBER: Final = Address(0x2000)
 BIT_RATE: Final = Address(0x2001)

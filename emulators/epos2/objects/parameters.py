@@ -13,7 +13,7 @@ from emulators.canopen.saved_parameters import LOAD, ON_COMMAND, check_signature
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.canopen.pdo import RECEIVE_PARAMETER, TRANSMIT_PARAMETER
-from firmware_bridge.wire.epos2.objects_pdo import PDOS
+from firmware_bridge.families.epos2.wire.objects_pdo import PDOS
 
 RESTORE_FACTORY: Final = Address(0x1011, 4)
 RESTORE_COB_IDS: Final = Address(0x1011, 5)

@@ -13,10 +13,10 @@ from emulators.epos2.objects.device_profile import DeviceProfile
 from emulators.epos2.serial.remote import Remote
 from firmware_bridge.canopen import cia301, sdo
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.families.epos2.maxon import messages
+from firmware_bridge.families.epos2.maxon.messages import Answer, FrameRead, Request
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire.can import MAX_PAYLOAD, REMOTE, STANDARD_MASK
-from firmware_bridge.wire.maxon import messages
-from firmware_bridge.wire.maxon.messages import Answer, FrameRead, Request
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,8 +22,15 @@ from emulators.epos2.serial.segmented_transfer import payload_of
 from firmware_bridge.canopen import cia301, sdo
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.wire.maxon import messages
-from firmware_bridge.wire.maxon.messages import Answer, Done, Request, address_of, control, toggle_of
+from firmware_bridge.families.epos2.maxon import messages
+from firmware_bridge.families.epos2.maxon.messages import (
+    Answer,
+    Done,
+    Request,
+    address_of,
+    control,
+    toggle_of,
+)
 
 NodeFrame: TypeAlias = tuple[int, bytes]
 """A node's number, and what its SDO server is sent."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from emulators.canopen.object_store import ObjectStore
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.wire.maxon.messages import (
+from firmware_bridge.families.epos2.maxon.messages import (
     DIRECT_SEGMENT,
     SegmentOut,
     SegmentRead,

@@ -14,10 +14,10 @@ from emulators.epos2.serial.can_gateway import DriveOnBus
 from emulators.epos2.serial.serial_port import SerialPort
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
+from firmware_bridge.families.epos2.maxon.frame import Generation
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire.maxon.frame import Generation
 
 
 class SerialEpos2(Epos2):

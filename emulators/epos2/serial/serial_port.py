@@ -12,10 +12,10 @@ from emulators.epos2.objects.device_profile import BAUDS, RS232_RATE, DeviceProf
 from emulators.epos2.serial.can_gateway import DriveOnBus
 from emulators.epos2.serial.server import SerialServer
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.families.epos2.maxon.frame import DLE, Frame, Generation
+from firmware_bridge.families.epos2.maxon.lines import device_end
+from firmware_bridge.families.epos2.maxon.opcodes import COMMANDS, acknowledged
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire.maxon.frame import DLE, Frame, Generation
-from firmware_bridge.wire.maxon.lines import device_end
-from firmware_bridge.wire.maxon.opcodes import COMMANDS, acknowledged
 
 USB_BAUD: Final = 1_000_000
 BITS_PER_BYTE: Final = 10

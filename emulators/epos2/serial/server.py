@@ -15,12 +15,17 @@ from emulators.epos2.serial.segmented_transfer import SegmentedTransfer
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.cia301 import ALL_NODES, LAST_NODE, NmtCommand
+from firmware_bridge.families.epos2.maxon import messages
+from firmware_bridge.families.epos2.maxon.frame import Frame
+from firmware_bridge.families.epos2.maxon.messages import Done, Request, address_of
+from firmware_bridge.families.epos2.maxon.opcodes import (
+    decode_request,
+    encode_answer,
+    encode_refusal,
+    row_of,
+)
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.can import MAX_PAYLOAD, STANDARD_MASK
-from firmware_bridge.wire.maxon import messages
-from firmware_bridge.wire.maxon.frame import Frame
-from firmware_bridge.wire.maxon.messages import Done, Request, address_of
-from firmware_bridge.wire.maxon.opcodes import decode_request, encode_answer, encode_refusal, row_of
 
 _Carried: TypeAlias = Mapping[type[Request], Callable[[Any, Nanoseconds], Result]]
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from emulators.bench import cases as bench
-from firmware_bridge.drivers.shield.link_drivers import over_protocol
+from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
 from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot

@@ -2,15 +2,15 @@
 
 from typing import Final
 
-from firmware_bridge.dissector.boards import Ar2Line
 from firmware_bridge.dissector.protocols import Protocols
-from firmware_bridge.drivers.ar2.joint import REPORTS
-from firmware_bridge.drivers.ar2.link_drivers import ar2_link_drivers
-from firmware_bridge.drivers.ar2.stops import CONFIRMED_BY, alone, stop_stages
+from firmware_bridge.families.ar2.dissector import Ar2Line
+from firmware_bridge.families.ar2.driver.joint import REPORTS
+from firmware_bridge.families.ar2.driver.link_drivers import ar2_link_drivers
+from firmware_bridge.families.ar2.driver.stops import CONFIRMED_BY, alone, stop_stages
+from firmware_bridge.families.ar2.guard import Ar2Rules
+from firmware_bridge.families.ar2.settings import Ar2Axis, Ar2Firmware, Ar2Link
 from firmware_bridge.family import Family
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Firmware, Ar2Link
-from firmware_bridge.safety.guard.ar2 import Ar2Rules
 
 
 def _shown(robot: AnyRobot, name: str) -> str:

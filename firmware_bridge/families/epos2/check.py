@@ -3,10 +3,10 @@
 from collections.abc import Collection, Iterator, Mapping
 from typing import Final
 
+from firmware_bridge.families.epos2.settings import Epos2Device, Epos2Driver
 from firmware_bridge.robot import Problem, raw
 from firmware_bridge.robot.problems import near
 from firmware_bridge.robot.raw import Raw
-from firmware_bridge.robot.settings.epos2 import Epos2Device, Epos2Driver
 from firmware_bridge.units import RPM_PER_RAD_S
 
 NODE_IDS: Final = range(1, 128)

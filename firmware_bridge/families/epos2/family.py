@@ -2,27 +2,31 @@
 
 from typing import Final
 
-from firmware_bridge.drivers.epos2.can.link_drivers import can_link_drivers
-from firmware_bridge.drivers.epos2.feedback import REPORTS
-from firmware_bridge.drivers.epos2.serial.line import MaxonLine
-from firmware_bridge.drivers.epos2.serial.link_drivers import OPTIONS, serial_link_drivers, with_options
-from firmware_bridge.drivers.epos2.stops import CONFIRMED_BY, alone, stop_stages
 from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.families.epos2.check import check
+from firmware_bridge.families.epos2.driver.can.link_drivers import can_link_drivers
+from firmware_bridge.families.epos2.driver.feedback import REPORTS
+from firmware_bridge.families.epos2.driver.serial.line import MaxonLine
+from firmware_bridge.families.epos2.driver.serial.link_drivers import (
+    OPTIONS,
+    serial_link_drivers,
+    with_options,
+)
+from firmware_bridge.families.epos2.driver.stops import CONFIRMED_BY, alone, stop_stages
+from firmware_bridge.families.epos2.guard.can import Epos2CanRules
+from firmware_bridge.families.epos2.guard.serial import Epos2SerialRules
 from firmware_bridge.families.epos2.reading import DICTIONARY, PROTOCOLS, expected
-from firmware_bridge.family import Family
-from firmware_bridge.node import Node
-from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import (
+from firmware_bridge.families.epos2.settings import (
     Epos2AnalogueInput,
     Epos2Axis,
     Epos2DigitalOutput,
     Epos2Driver,
     Epos2Link,
 )
+from firmware_bridge.family import Family
+from firmware_bridge.node import Node
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.table import LinkTable
-from firmware_bridge.safety.guard.epos2_can import Epos2CanRules
-from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
 from firmware_bridge.safety.guard.wire_rules import WireRules
 
 

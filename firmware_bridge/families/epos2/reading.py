@@ -6,18 +6,18 @@ from typing import Final
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.dissector.dictionary import Dictionary
 from firmware_bridge.dissector.expected import Expected
-from firmware_bridge.dissector.maxon import MaxonCommands, MaxonLine
 from firmware_bridge.dissector.protocols import Protocols, in_bytes
-from firmware_bridge.drivers.commissioning.names import called
-from firmware_bridge.drivers.commissioning.values import decode, unit_of
-from firmware_bridge.drivers.commissioning.words import mode_of, words
-from firmware_bridge.drivers.epos2.setup import MODE, configuration
+from firmware_bridge.families.epos2.commissioning.names import called
+from firmware_bridge.families.epos2.commissioning.values import decode, unit_of
+from firmware_bridge.families.epos2.commissioning.words import mode_of, words
+from firmware_bridge.families.epos2.dissector import MaxonCommands, MaxonLine
+from firmware_bridge.families.epos2.driver.setup import MODE, configuration
+from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
+from firmware_bridge.families.epos2.wire import hardware
+from firmware_bridge.families.epos2.wire.differences import ANY_TYPE
+from firmware_bridge.families.epos2.wire.objects_pdo import PDOS
 from firmware_bridge.node import MAXON, SERIAL
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
-from firmware_bridge.wire.epos2 import hardware
-from firmware_bridge.wire.epos2.differences import ANY_TYPE
-from firmware_bridge.wire.epos2.objects_pdo import PDOS
 
 DICTIONARY: Final = Dictionary(hardware.MAXON, ANY_TYPE, PDOS, called, decode, unit_of, mode_of, words)
 PROTOCOLS: Final = {

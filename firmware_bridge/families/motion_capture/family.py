@@ -3,14 +3,14 @@
 from typing import Final
 
 from firmware_bridge.dissector.mavlink import Mavlink
-from firmware_bridge.dissector.natnet import NatNet
 from firmware_bridge.dissector.protocols import Protocols
-from firmware_bridge.drivers.capture.link_drivers import capture_link_drivers
 from firmware_bridge.families.motion_capture.check import check
+from firmware_bridge.families.motion_capture.dissector import NatNet
+from firmware_bridge.families.motion_capture.driver.link_drivers import capture_link_drivers
+from firmware_bridge.families.motion_capture.guard import CaptureRules
+from firmware_bridge.families.motion_capture.settings import CaptureBody, CaptureDriver, CaptureLink
 from firmware_bridge.family import Family
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver, CaptureLink
-from firmware_bridge.safety.guard.capture import CaptureRules
 
 
 def _shown(robot: AnyRobot, name: str) -> str:

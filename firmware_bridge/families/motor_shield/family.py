@@ -2,16 +2,20 @@
 
 from typing import Final
 
-from firmware_bridge.dissector.boards import ArduinoIoLine, FirmataLine, MwLine, RosLine
 from firmware_bridge.dissector.protocols import Protocols
-from firmware_bridge.drivers.shield.link_drivers import measured, over_protocol, shield_link_drivers
-from firmware_bridge.drivers.shield.motor import reports
-from firmware_bridge.drivers.shield.plan import shield_plan
-from firmware_bridge.drivers.shield.stops import CONFIRMED_BY, alone, stop_stages
+from firmware_bridge.families.motor_shield.dissector import ArduinoIoLine, FirmataLine, MwLine, RosLine
+from firmware_bridge.families.motor_shield.driver.link_drivers import (
+    measured,
+    over_protocol,
+    shield_link_drivers,
+)
+from firmware_bridge.families.motor_shield.driver.motor import reports
+from firmware_bridge.families.motor_shield.driver.plan import shield_plan
+from firmware_bridge.families.motor_shield.driver.stops import CONFIRMED_BY, alone, stop_stages
+from firmware_bridge.families.motor_shield.guard.rules import ShieldRules
+from firmware_bridge.families.motor_shield.settings import RUNS_ON, ShieldAxis, ShieldLink, ShieldProtocol
 from firmware_bridge.family import Family
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.shield import RUNS_ON, ShieldAxis, ShieldLink, ShieldProtocol
-from firmware_bridge.safety.guard.shield import ShieldRules
 from firmware_bridge.units import MILLISECOND
 
 

@@ -4,9 +4,9 @@ import math
 from collections.abc import Callable
 from typing import Final, TypeAlias
 
+from firmware_bridge.families.motor_shield.settings import ShieldAxis, ShieldLink
 from firmware_bridge.motion.omni import BodyTwist, rims, shortened
 from firmware_bridge.robot import Robot
-from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldLink
 from firmware_bridge.robots.rome.geometry import RomeGeometry
 from firmware_bridge.robots.rome.kinematics import ramp_of, with_twist
 from firmware_bridge.robots.rome.motion import RomeMotion, RomeState

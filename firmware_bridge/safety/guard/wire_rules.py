@@ -2,11 +2,14 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 from firmware_bridge.packet import Packet
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.units import Nanoseconds
+
+ROUNDING: Final = 1e-12
+"""Share of a bound by which its conversion may fall short: 4000 rpm must not become 3999."""
 
 
 class WireRules(ABC):

@@ -16,10 +16,10 @@ from emulators.arduino_omni.mega.mega import Mega
 from emulators.arduino_omni.mega.pins import ENCODER_PINS, FIRST_ANALOG, Shafts
 from emulators.arduino_omni.sketches.ros_arduino_bridge import RosSketch
 from emulators.arduino_omni.usb_board import UsbBoard
+from firmware_bridge.families.motor_shield.wire import ros_arduino_bridge as ros
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
 
 SKETCH: Final = Path(__file__).parents[3] / "emulators" / "arduino_omni" / "sketch"
 HARNESS: Final = Path(__file__).with_name("harness.c")

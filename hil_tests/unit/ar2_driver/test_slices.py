@@ -3,8 +3,8 @@
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from firmware_bridge.drivers.ar2.slices import Slice, slice_of
-from firmware_bridge.safety.guard.ar2 import LONGEST_MS, SHORTEST_MS, SLOWEST, move_of
+from firmware_bridge.families.ar2.driver.slices import Slice, slice_of
+from firmware_bridge.families.ar2.guard import LONGEST_MS, SHORTEST_MS, SLOWEST, move_of
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.lanes import examples
 from hil_tests.unit.arduino.ar2_bench import Bench

@@ -9,10 +9,10 @@ from emulators.arduino_omni.ar2.gravity import weight
 from emulators.arduino_omni.ar2.joints import Joints
 from emulators.arduino_omni.ar2.moves import TURN_US, waited
 from emulators.arduino_omni.ar2.strings import substring
+from firmware_bridge.families.ar2 import wire
 from firmware_bridge.node import DTR_UP, SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.arduino import ar2
 from hil_tests.rows import every
 from hil_tests.unit.arduino.ar2_bench import Bench, weightless
 
@@ -232,10 +232,10 @@ def calibrated(bench: Bench) -> list[int]:
     """Calibrate as the GUI does: to the switches, back by 500 steps, slowly again; return its counters."""
     whole = [axis.steps for axis in JOINTS]
     digits = [int(axis.switch_at_most) for axis in JOINTS]
-    assert bench.ask(ar2.switches(whole, digits, 50)) == b"P\r"
+    assert bench.ask(wire.switches(whole, digits, 50)) == b"P\r"
     back = [500 if not digit else -500 for digit in digits]
-    assert bench.ask(ar2.move(back, 15, up=(10, 10), down=(10, 10))) == b"command recieved"
-    assert bench.ask(ar2.switches(whole, digits, 8)) == b"P\r"
+    assert bench.ask(wire.move(back, 15, up=(10, 10), down=(10, 10))) == b"command recieved"
+    assert bench.ask(wire.switches(whole, digits, 8)) == b"P\r"
     return [axis.steps if axis.switch_at_most else 0 for axis in JOINTS]
 
 
@@ -251,15 +251,15 @@ def test_from_anywhere_the_guis_calibration_leads_to_rest() -> None:
     bench = Bench(load=weight)
     bench.joints.places[:6] = [5_000, 3_000, 2_000, 9_000, 1_500, 4_000]
     to_rest = [axis.rest - count for axis, count in zip(JOINTS, calibrated(bench), strict=True)]
-    bench.ask(ar2.move(to_rest, 25, up=(10, 10), down=(10, 10)))
+    bench.ask(wire.move(to_rest, 25, up=(10, 10), down=(10, 10)))
     assert bench.joints.places[:6] == [axis.rest for axis in JOINTS]
     assert bench.joints.lost == [0] * 7
     assert bench.joints.angles == pytest.approx((0.0, -90.013, 1.0, 0.0, -0.023, -0.023), abs=1e-3)
 
 
 def test_the_hosts_lines_are_those_that_are_published() -> None:
-    assert ar2.move([500, -200, 1000], 25, up=(15, 10), down=(20, 5)) == SEVERAL
-    assert ar2.switches([400, 0, 0, 0, 0, 1], [0, 0, 0, 0, 0, 1], 50) == b"LLA0400B00C00D00E00F11S50\n"
+    assert wire.move([500, -200, 1000], 25, up=(15, 10), down=(20, 5)) == SEVERAL
+    assert wire.switches([400, 0, 0, 0, 0, 1], [0, 0, 0, 0, 0, 1], 50) == b"LLA0400B00C00D00E00F11S50\n"
 
 
 @every(
@@ -275,7 +275,7 @@ def test_the_hosts_end_refuses_what_the_board_would_take_for_something_else(
     steps: tuple[int, ...], speed: float, begin: int, why: str
 ) -> None:
     with pytest.raises(ValueError, match=why):
-        ar2.move(steps, speed, up=(0, begin))
+        wire.move(steps, speed, up=(0, begin))
 
 
 # Points

@@ -6,9 +6,9 @@ from hypothesis import strategies as st
 
 from emulators.arduino_omni.shield.tb6612 import COAST, BridgeDuty
 from emulators.arduino_omni.sketches.arduinoio import ArduinoIoSketch
+from firmware_bridge.families.motor_shield.wire import arduinoio as io
 from firmware_bridge.node import DTR_UP
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.arduino import arduinoio as io
 from hil_tests.lanes import examples
 from hil_tests.unit.arduino.hosts import Host
 

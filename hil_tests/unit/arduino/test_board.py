@@ -10,10 +10,10 @@ from emulators.arduino_omni.mega import motor_library as library
 from emulators.arduino_omni.motors import COUNTS_PER_TURN, MotorLoad, four_motors
 from emulators.boards import fmu_load
 from firmware_bridge.cli import program
+from firmware_bridge.families.motor_shield.wire import mw, mw_messages
 from firmware_bridge.node import DTR_UP, SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.arduino import mw, mw_messages
 from fmu.build import ensure
 from fmu.errors import PlantError
 from fmu.plant import FmuPlant

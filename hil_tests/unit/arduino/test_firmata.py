@@ -8,8 +8,8 @@ from emulators.arduino_omni.mega import motor_library as library
 from emulators.arduino_omni.mega.jobs import OnBus
 from emulators.arduino_omni.shield.tb6612 import BridgeDuty
 from emulators.arduino_omni.sketches.firmata import FirmataSketch
+from firmware_bridge.families.motor_shield.wire import firmata as words
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.arduino import firmata as words
 from hil_tests.lanes import examples
 from hil_tests.unit.arduino.hosts import Host
 

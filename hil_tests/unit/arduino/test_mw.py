@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from emulators.arduino_omni.mega.mega import Mega
 from emulators.arduino_omni.shield.tb6612 import COAST, BridgeDuty
 from emulators.arduino_omni.sketches.mw import MwSketch
+from firmware_bridge.families.motor_shield.wire import mw
+from firmware_bridge.families.motor_shield.wire import mw_messages as messages
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.arduino import mw
-from firmware_bridge.wire.arduino import mw_messages as messages
 from hil_tests.lanes import examples
 from hil_tests.unit.arduino.hosts import Host
 

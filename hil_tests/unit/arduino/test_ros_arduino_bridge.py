@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from emulators.arduino_omni.shield.tb6612 import COAST, BridgeDuty
 from emulators.arduino_omni.sketches.motor_pid import Gains, MotorPid
 from emulators.arduino_omni.sketches.ros_arduino_bridge import RosSketch
+from firmware_bridge.families.motor_shield.wire import ros_arduino_bridge as ros
 from firmware_bridge.node import DTR_UP
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
+from firmware_bridge.wire.lines import LONGEST_LINE, LineReader
 from hil_tests.lanes import examples
 from hil_tests.unit.arduino.hosts import Host
 
@@ -62,7 +63,7 @@ def test_both_ends_say_and_read_the_lines(
     it.mega.pins.driven[7] = True
     stated = (it.ask_slowly if slowly else it.ask)(requested)
     assert stated == answered
-    (line,) = ros.LineReader().receive(stated)
+    (line,) = LineReader().receive(stated)
     assert ros.decode(letter, line, motors) == meant
 
 
@@ -301,24 +302,24 @@ def test_whatever_a_foreign_node_sends_lines_come_back_and_it_lives_on(chunks: l
 
 @given(st.binary(max_size=200), st.sampled_from(sorted(ros.COMMANDS)))
 def test_whatever_a_board_states_the_hosts_end_goes_on(noise: bytes, letter: str) -> None:
-    lines = list(ros.LineReader().receive(noise))
-    split = ros.LineReader()
+    lines = list(LineReader().receive(noise))
+    split = LineReader()
     assert [it for byte in noise for it in split.receive(bytes((byte,)))] == lines
     for line in lines:
         ros.decode(letter, line)
 
 
-@pytest.mark.parametrize(("length", "whole"), [(ros.LONGEST_LINE, True), (ros.LONGEST_LINE + 1, False)])
+@pytest.mark.parametrize(("length", "whole"), [(LONGEST_LINE, True), (LONGEST_LINE + 1, False)])
 def test_a_line_is_as_long_as_it_may_be(length: int, *, whole: bool) -> None:
-    reader, line = ros.LineReader(), b"7" * length
+    reader, line = LineReader(), b"7" * length
     assert list(reader.receive(line + ros.LINE_END + b"OK" + ros.LINE_END)) == [line] * whole + [b"OK"]
 
 
 def test_a_line_that_never_ends_takes_no_memory_and_the_next_one_is_whole() -> None:
-    reader = ros.LineReader()
+    reader = LineReader()
     for _ in range(100):
         assert list(reader.receive(b"7" * 1000)) == []
-        assert len(reader.waiting) <= ros.LONGEST_LINE + len(ros.LINE_END)
+        assert len(reader.waiting) <= LONGEST_LINE + len(ros.LINE_END)
     assert list(reader.receive(ros.LINE_END + b"OK" + ros.LINE_END)) == [b"OK"]
 
 

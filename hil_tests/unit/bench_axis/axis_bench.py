@@ -10,8 +10,8 @@ from emulators.single import DrivesOrder, drives
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import Mode, PowerState
+from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.epos2 import address as at
 from fmu.build import ensure
 from fmu.single_axis.parameters import SETS
 

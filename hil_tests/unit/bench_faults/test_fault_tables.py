@@ -7,7 +7,7 @@ from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.faults import KINDS, Fault, FaultError, FaultKind, misfits, read
 from emulators.bench.mission import Mission, MissionFileError, parse
 from firmware_bridge import robot_types
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER, from_seconds
 from hil_tests.rows import every

@@ -7,14 +7,14 @@ from firmware_bridge.canopen import sdo
 from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
 from firmware_bridge.canopen.cia402 import ControlwordBit, ControlwordCommand, PowerState, command_of
+from firmware_bridge.families.epos2.settings import Epos2Axis
+from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.power_states import STATUSWORDS
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Axis
 from firmware_bridge.robot import CommandForm as Commanded
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.units import SECOND, Nanoseconds
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.power_states import STATUSWORDS
 
 if TYPE_CHECKING:
     from firmware_bridge.canopen.address import Address

@@ -9,13 +9,13 @@ from firmware_bridge.bridge import Bridge
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import ControlwordBit, PowerState
+from firmware_bridge.families.epos2.settings import Epos2Axis
+from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.robot import Axis
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import SECOND, Nanoseconds
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.scenarios.homed import LIFT as FILE
 from hil_tests.scenarios.homed import STEER as STEERS
 from hil_tests.scenarios.homed import homed

@@ -11,11 +11,11 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
+from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.modes import number_of_own
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.bridge.bench import ACCEPTED, DENIED, LIFT, STANDS, STEER, TEMPORARILY_REJECTED, driving
 
 if TYPE_CHECKING:

@@ -9,14 +9,14 @@ from emulators.motion_capture.exposure import Cameras
 from emulators.motion_capture.system import COMMAND, MotionCapture
 from emulators.wires import DatagramWire
 from emulators.world import World
-from firmware_bridge.drivers.capture.body import SeenBody
-from firmware_bridge.drivers.capture.mavlink import MavlinkPoses
-from firmware_bridge.drivers.capture.natnet import NatNetLink
+from firmware_bridge.families.motion_capture.driver.body import SeenBody
+from firmware_bridge.families.motion_capture.driver.mavlink import MavlinkPoses
+from firmware_bridge.families.motion_capture.driver.natnet import NatNetLink
+from firmware_bridge.families.motion_capture.settings import CaptureBody, CaptureLink
+from firmware_bridge.families.motion_capture.wire.layout import Version
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Sensor
-from firmware_bridge.robot.settings.capture import CaptureBody, CaptureLink
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.natnet.layout import Version
 
 LINK = "capture"
 SERVER = "127.0.0.1:1510"

@@ -11,19 +11,19 @@ from hypothesis import strategies as st
 
 from emulators.motion_capture.bodies import on_floor
 from emulators.motion_capture.exposure import Cameras, Hidden, Lost, Swapped, Up
-from firmware_bridge.drivers.capture.body import SeenBody, Sighting
-from firmware_bridge.drivers.capture.clock import StampClock
-from firmware_bridge.drivers.capture.mavlink import MavlinkPoses
-from firmware_bridge.drivers.capture.natnet import CONNECT, NatNetLink
+from firmware_bridge.families.motion_capture.driver.body import SeenBody, Sighting
+from firmware_bridge.families.motion_capture.driver.clock import StampClock
+from firmware_bridge.families.motion_capture.driver.mavlink import MavlinkPoses
+from firmware_bridge.families.motion_capture.driver.natnet import CONNECT, NatNetLink
+from firmware_bridge.families.motion_capture.wire import frame as frames
+from firmware_bridge.families.motion_capture.wire import messages
+from firmware_bridge.families.motion_capture.wire.frame import Frame, FrameFlag, RigidBody
+from firmware_bridge.families.motion_capture.wire.layout import Version
+from firmware_bridge.families.motion_capture.wire.mavlink_pose import check_sum, poses
+from firmware_bridge.families.motion_capture.wire.messages import MessageId, ServerInfo, packet
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, from_seconds, to_seconds
 from firmware_bridge.wire.internet import number_of
-from firmware_bridge.wire.mavlink_pose import check_sum, poses
-from firmware_bridge.wire.natnet import frame as frames
-from firmware_bridge.wire.natnet import messages
-from firmware_bridge.wire.natnet.frame import Frame, FrameFlag, RigidBody
-from firmware_bridge.wire.natnet.layout import Version
-from firmware_bridge.wire.natnet.messages import MessageId, ServerInfo, packet
 from hil_tests.unit.capture_driver.capture_bench import LINK, ROUND, SERVER, V3_1, body, joined, table
 
 

@@ -9,16 +9,16 @@ import pytest
 
 from emulators.cli.emulate_robot import RobotOptions, run
 from firmware_bridge.cli.places import BusAddress, places_of
+from firmware_bridge.families.motion_capture.settings import CaptureBody, CaptureDriver, CaptureLink
+from firmware_bridge.families.motion_capture.wire import messages
+from firmware_bridge.families.motion_capture.wire.messages import MessageId, packet, split
 from firmware_bridge.node import Node
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import RobotFileError
-from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver, CaptureLink
 from firmware_bridge.robot_types import robot_type_named
 from firmware_bridge.runtime.clock import Clock, LivedClock
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.internet import number_of
-from firmware_bridge.wire.natnet import messages
-from firmware_bridge.wire.natnet.messages import MessageId, packet, split
 from hil_tests.unit.capture_driver.captured_diff_drive import CAPTURE, captured_diff_drive, file_at, written
 
 SETTINGS = 'body = "diff_drive", fastest_mps = 1.0, fastest_rad_s = 2.0'

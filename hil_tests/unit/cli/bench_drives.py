@@ -13,13 +13,13 @@ from emulators.epos2.objects.catalogue import PROFILES
 from emulators.gateway import Cluster
 from emulators.single import DrivesOrder, drives
 from firmware_bridge.cli import program
+from firmware_bridge.families.epos2.maxon.frame import Generation
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.runtime.ports import PseudoTerminal, open_can
 from firmware_bridge.runtime.runner import run
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.maxon.frame import Generation
 
 NUMBERS: Final = count()
 STARTED: Final[Nanoseconds] = 10 * MILLISECOND

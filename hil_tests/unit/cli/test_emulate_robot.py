@@ -11,13 +11,13 @@ from emulators.cli.emulate_robot import RobotOptions, run
 from emulators.devices import Devices, devices
 from emulators.epos2.drive import Epos2
 from emulators.storage import ParameterFile
-from firmware_bridge.drivers.epos2.setup import SetupObject, commissioned
+from firmware_bridge.families.epos2.driver.setup import SetupObject, commissioned
+from firmware_bridge.families.epos2.settings import Epos2Axis
+from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.node import Node
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from firmware_bridge.runtime.clock import Clock, LivedClock
 from firmware_bridge.units import SECOND
-from firmware_bridge.wire.epos2 import address as at
 
 Drives: TypeAlias = Callable[..., Mapping[str, Epos2]]
 RARS: Final = find("rars")

@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.canopen.sdo_client import SdoClient
 from firmware_bridge.cli import program
+from firmware_bridge.families.epos2.maxon.frame import Generation
 from firmware_bridge.units import SECOND
-from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.cli.bench_drives import Bench, Reported, ask, bench
 
 COMMANDS = {

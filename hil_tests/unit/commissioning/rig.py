@@ -9,13 +9,13 @@ from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire, SerialWire, usb_line
 from emulators.world import World
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.drivers.commissioning.can_access import CanAccess
-from firmware_bridge.drivers.commissioning.client import Ask, JobClient, Script, need
-from firmware_bridge.drivers.commissioning.job import Job, Outcome
-from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
+from firmware_bridge.families.epos2.commissioning.can_access import CanAccess
+from firmware_bridge.families.epos2.commissioning.client import Ask, JobClient, Script, need
+from firmware_bridge.families.epos2.commissioning.job import Job, Outcome
+from firmware_bridge.families.epos2.commissioning.serial_access import SerialAccess
+from firmware_bridge.families.epos2.maxon.frame import Generation
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.maxon.frame import Generation
 
 NEAR = 1
 FAR = 2

@@ -7,15 +7,15 @@ from hypothesis import strategies as st
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.drivers.commissioning.can_access import CanAccess
-from firmware_bridge.drivers.commissioning.client import (
+from firmware_bridge.families.epos2.commissioning.can_access import CanAccess
+from firmware_bridge.families.epos2.commissioning.client import (
     Ask,
     CommissioningError,
     Do,
     JobClient,
     Script,
 )
-from firmware_bridge.drivers.commissioning.job import (
+from firmware_bridge.families.epos2.commissioning.job import (
     BrokenAnswerError,
     JobError,
     Outcome,
@@ -24,13 +24,13 @@ from firmware_bridge.drivers.commissioning.job import (
     SilentError,
     WriteJob,
 )
-from firmware_bridge.drivers.commissioning.network_command import GatewayCheck
-from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
+from firmware_bridge.families.epos2.commissioning.network_command import GatewayCheck
+from firmware_bridge.families.epos2.commissioning.serial_access import SerialAccess
+from firmware_bridge.families.epos2.maxon.frame import Frame, Generation, encode_v1, encode_v2
+from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, SECOND
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.maxon.frame import Frame, Generation, encode_v1, encode_v2
 from hil_tests.lanes import examples
 from hil_tests.unit.commissioning.rig import BUS, FAR, NEAR, OWN_LINE, USB, WAYS, Rig, Way, noting, rig_for
 

@@ -4,10 +4,10 @@ import pytest
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.drivers.commissioning.client import JobClient
-from firmware_bridge.drivers.commissioning.overview import Overview
-from firmware_bridge.drivers.commissioning.power import PowerCommand, Wanted
-from firmware_bridge.drivers.commissioning.reading import Reading
+from firmware_bridge.families.epos2.commissioning.client import JobClient
+from firmware_bridge.families.epos2.commissioning.overview import Overview
+from firmware_bridge.families.epos2.commissioning.power import PowerCommand, Wanted
+from firmware_bridge.families.epos2.commissioning.reading import Reading
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.units import MILLISECOND
 from hil_tests.unit.commissioning.rig import WAYS, Way, rig_for

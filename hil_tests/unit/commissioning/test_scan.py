@@ -10,17 +10,23 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.drivers.commissioning.can_access import CanAccess
-from firmware_bridge.drivers.commissioning.client import Ask, JobClient, Script, need
-from firmware_bridge.drivers.commissioning.job import SilentError, WriteJob
-from firmware_bridge.drivers.commissioning.network_command import NetworkCommand
-from firmware_bridge.drivers.commissioning.scan import SERIAL_NUMBER, SOFTWARE, TIMEOUT, Scan, ScannedNode
-from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
+from firmware_bridge.families.epos2.commissioning.can_access import CanAccess
+from firmware_bridge.families.epos2.commissioning.client import Ask, JobClient, Script, need
+from firmware_bridge.families.epos2.commissioning.job import SilentError, WriteJob
+from firmware_bridge.families.epos2.commissioning.network_command import NetworkCommand
+from firmware_bridge.families.epos2.commissioning.scan import (
+    SERIAL_NUMBER,
+    SOFTWARE,
+    TIMEOUT,
+    Scan,
+    ScannedNode,
+)
+from firmware_bridge.families.epos2.commissioning.serial_access import SerialAccess
+from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.epos2.wire.hardware import type_of
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.epos2.hardware import type_of
-from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.commissioning.rig import FAR, NEAR, Rig
 
 FOREIGN_NODE = 5

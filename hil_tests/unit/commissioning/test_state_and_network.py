@@ -6,18 +6,18 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
 from firmware_bridge.canopen.cia402 import Mode, PowerState
-from firmware_bridge.drivers.commissioning.can_access import CanAccess
-from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Script, need
-from firmware_bridge.drivers.commissioning.job import SilentError, WriteJob
-from firmware_bridge.drivers.commissioning.network_command import NetworkCommand
-from firmware_bridge.drivers.commissioning.overview import Overview
-from firmware_bridge.drivers.commissioning.power import PROCEDURES, PowerCommand, Wanted
-from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
+from firmware_bridge.families.epos2.commissioning.can_access import CanAccess
+from firmware_bridge.families.epos2.commissioning.client import Ask, CommissioningError, Script, need
+from firmware_bridge.families.epos2.commissioning.job import SilentError, WriteJob
+from firmware_bridge.families.epos2.commissioning.network_command import NetworkCommand
+from firmware_bridge.families.epos2.commissioning.overview import Overview
+from firmware_bridge.families.epos2.commissioning.power import PROCEDURES, PowerCommand, Wanted
+from firmware_bridge.families.epos2.commissioning.serial_access import SerialAccess
+from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.epos2.wire.power_states import state_of
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.epos2.power_states import state_of
-from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.commissioning.rig import FAR, NEAR, OWN_LINE, WAYS, Rig, Way, rig_for
 
 every_way = pytest.mark.parametrize("way", WAYS, ids=str)

@@ -5,16 +5,16 @@ import pytest
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.drivers.commissioning.can_access import CanAccess
-from firmware_bridge.drivers.commissioning.client import Ask, JobClient, Script, need
-from firmware_bridge.drivers.commissioning.job import ReadJob, WriteJob
-from firmware_bridge.drivers.commissioning.power import PowerCommand, Wanted
-from firmware_bridge.drivers.commissioning.reading import Reading
-from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
+from firmware_bridge.families.epos2.commissioning.can_access import CanAccess
+from firmware_bridge.families.epos2.commissioning.client import Ask, JobClient, Script, need
+from firmware_bridge.families.epos2.commissioning.job import ReadJob, WriteJob
+from firmware_bridge.families.epos2.commissioning.power import PowerCommand, Wanted
+from firmware_bridge.families.epos2.commissioning.reading import Reading
+from firmware_bridge.families.epos2.commissioning.serial_access import SerialAccess
+from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.epos2.wire.power_states import state_of
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.epos2.power_states import state_of
-from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.commissioning.rig import NEAR, Rig
 
 SHARED = Address(0x200C, 1)

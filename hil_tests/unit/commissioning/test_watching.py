@@ -4,10 +4,10 @@ from itertools import pairwise
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.drivers.commissioning.can_access import CanAccess
-from firmware_bridge.drivers.commissioning.client import JobClient
-from firmware_bridge.drivers.commissioning.job import RefusedError, SilentError
-from firmware_bridge.drivers.commissioning.reading import Reading
+from firmware_bridge.families.epos2.commissioning.can_access import CanAccess
+from firmware_bridge.families.epos2.commissioning.client import JobClient
+from firmware_bridge.families.epos2.commissioning.job import RefusedError, SilentError
+from firmware_bridge.families.epos2.commissioning.reading import Reading
 from firmware_bridge.node import CAN
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.commissioning.rig import NEAR, Rig

@@ -10,14 +10,14 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.canopen.object_row import ObjectRow
-from firmware_bridge.drivers.commissioning.client import CommissioningError
-from firmware_bridge.drivers.commissioning.motion import why_it_may_move
-from firmware_bridge.drivers.commissioning.names import BY_NAME, dashed, find, squashed
-from firmware_bridge.drivers.commissioning.values import LONGEST_WRITE, decode, parse
-from firmware_bridge.drivers.commissioning.words import words
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.differences import objects_of
-from firmware_bridge.wire.epos2.emergency import EMERGENCIES
+from firmware_bridge.families.epos2.commissioning.client import CommissioningError
+from firmware_bridge.families.epos2.commissioning.motion import why_it_may_move
+from firmware_bridge.families.epos2.commissioning.names import BY_NAME, dashed, find, squashed
+from firmware_bridge.families.epos2.commissioning.values import LONGEST_WRITE, decode, parse
+from firmware_bridge.families.epos2.commissioning.words import words
+from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.differences import objects_of
+from firmware_bridge.families.epos2.wire.emergency import EMERGENCIES
 from hil_tests.lanes import examples
 from hil_tests.rows import every
 

@@ -4,19 +4,20 @@ from collections.abc import Callable, Iterator
 from typing import Final, TypeAlias
 
 import hypothesis.strategies as st
+from firmware_bridge.families.motor_shield.dissector import RosLine
 from hypothesis import given
 
 from firmware_bridge.dissector import Carried, Dissector, kinds_of
-from firmware_bridge.dissector.boards import RosLine
 from firmware_bridge.dissector.dissector import kinds
-from firmware_bridge.drivers.shield.link_drivers import over_protocol
+from firmware_bridge.families.ar2 import wire
+from firmware_bridge.families.ar2.settings import Ar2Firmware
+from firmware_bridge.families.motion_capture.settings import CaptureDriver
+from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
+from firmware_bridge.families.motor_shield.settings import ShieldProtocol
+from firmware_bridge.families.motor_shield.wire import arduinoio, firmata, motor_shield, mw
+from firmware_bridge.families.motor_shield.wire import mw_messages as messages
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot.settings.ar2 import Ar2Firmware
-from firmware_bridge.robot.settings.capture import CaptureDriver
-from firmware_bridge.robot.settings.shield import ShieldProtocol
 from firmware_bridge.robot_types import find
-from firmware_bridge.wire.arduino import ar2, arduinoio, firmata, motor_shield, mw
-from firmware_bridge.wire.arduino import mw_messages as messages
 from hil_tests.rows import every
 
 REQUESTED, REPORTED = "bridge", "board"
@@ -102,14 +103,14 @@ GOLDEN: Final[dict[str, tuple[Stated, ...]]] = {
     ),
     # AR2_2.0: letters and numbers; what comes back has no line's end but an echo's.
     Ar2Firmware.AR2_2_0: (
-        (REQUESTED, ar2.test("q1"), "TM, echo: q1"),
-        (REPORTED, ar2.echo("q1"), "sent 'q1\\n\\r\\n'"),
+        (REQUESTED, wire.test("q1"), "TM, echo: q1"),
+        (REPORTED, wire.echo("q1"), "sent 'q1\\n\\r\\n'"),
         (
             REQUESTED,
-            ar2.move((0, 1, -3, 0, 1, 0, 7), 2.5),
+            wire.move((0, 1, -3, 0, 1, 0, 7), 2.5),
             "MJ, joint move: J2 +1, J3 -3, J5 +1, track +7, S 2.5, G 0, H 100, I 0, K 100",
         ),
-        (REQUESTED, ar2.move((0,), 1e-05), "MJ, joint move: no steps, S 1e-05, G 0, H 100, I 0, K 100"),
+        (REQUESTED, wire.move((0,), 1e-05), "MJ, joint move: no steps, S 1e-05, G 0, H 100, I 0, K 100"),
         (REQUESTED, b"WTS1.5\n", "WT, wait: S 1.5"),
         (
             REQUESTED,
@@ -186,13 +187,13 @@ def test_a_robots_links_are_read_by_what_its_file_states_of_them() -> None:
 
 
 @given(
-    st.lists(st.integers(-ar2.MOST_STEPS, ar2.MOST_STEPS), min_size=1, max_size=7),
+    st.lists(st.integers(-wire.MOST_STEPS, wire.MOST_STEPS), min_size=1, max_size=7),
     st.floats(1e-3, 100.0),
 )
 def test_a_move_is_read_as_it_was_written(steps: list[int], speed: float) -> None:
-    read = ar2.decode(ar2.move(steps, speed)[: -len(ar2.END)])
+    read = wire.decode(wire.move(steps, speed)[: -len(wire.END)])
     assert read is not None
-    assert [read.steps[letter] for letter in ar2.LETTERS[: len(steps)]] == steps
+    assert [read.steps[letter] for letter in wire.LETTERS[: len(steps)]] == steps
     assert read.fields["S"] == f"{speed:g}"
 
 

@@ -14,10 +14,10 @@ from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.dissector.bus_picture import BusPicture
 from firmware_bridge.dissector.expected import can_links, expected_on
 from firmware_bridge.dissector.lately import Lately
+from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import parse_candump
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.can import EXTENDED, INTERFRAME_BITS, REMOTE, frame_bits
 from firmware_bridge.wire.can_error import BUS_OFF, encode_report

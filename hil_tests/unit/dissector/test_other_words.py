@@ -4,14 +4,14 @@ import hypothesis.strategies as st
 from hypothesis import given
 
 from firmware_bridge.dissector import Carried, Dissector, first_difference
+from firmware_bridge.families.epos2.maxon.frame import Failure, Generation, MaxonAnswer
+from firmware_bridge.families.epos2.maxon.messages import ObjectRead, ReadObject
+from firmware_bridge.families.epos2.maxon.opcodes import encode_answer, row_of
+from firmware_bridge.families.epos2.maxon.packets import command, outcome_packet
 from firmware_bridge.node import CAN, MAXON, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.maxon.frame import Failure, Generation, MaxonAnswer
-from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject
-from firmware_bridge.wire.maxon.opcodes import encode_answer, row_of
-from firmware_bridge.wire.maxon.packets import command, outcome_packet
 from hil_tests.wire.maxon_dialogues import Cut, dialogue, every_exchange, fragmented
 from hil_tests.wire.maxon_frames import Exchange
 

@@ -9,11 +9,11 @@ from emulators.wires import CanWire, SerialWire
 from emulators.world import Wire, World
 from firmware_bridge.drivers.all_drivers import all_drivers_of
 from firmware_bridge.drivers.driver import BRING_UP, Feedback, Level, Reading, SetPoint, Task
-from firmware_bridge.drivers.epos2.serial.line import MaxonLine
+from firmware_bridge.families.epos2.driver.serial.line import MaxonLine
+from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Driver, Epos2Link
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Driver, Epos2Link
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 

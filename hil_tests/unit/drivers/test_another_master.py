@@ -5,11 +5,11 @@ from typing import Final
 import pytest
 
 from firmware_bridge.drivers.all_drivers import all_drivers_of
-from firmware_bridge.drivers.epos2.can.link_drivers import REMEMBERED, can_link_drivers
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.drivers.link_drivers import LinkDrivers
+from firmware_bridge.families.epos2.driver.can.link_drivers import REMEMBERED, can_link_drivers
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.drivers.driver import Power
-from firmware_bridge.drivers.epos2.can.feedback import CanFeedback
+from firmware_bridge.families.epos2.driver.can.feedback import CanFeedback
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.units import MILLISECOND
 from hil_tests.unit.drivers.robots import RARS, with_axis

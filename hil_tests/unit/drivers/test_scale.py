@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.drivers.epos2.scale import Scale, Travel, highest_rpm, travel_of, wrapped
-from firmware_bridge.drivers.epos2.setup import configuration
+from firmware_bridge.families.epos2.driver.scale import Scale, Travel, highest_rpm, travel_of, wrapped
+from firmware_bridge.families.epos2.driver.setup import configuration
+from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.robot import Axis
-from firmware_bridge.robot.settings.epos2 import Epos2Link
 from hil_tests.unit.drivers.robots import LINK, RARS, with_axis
 
 WHEEL = RARS.axis("left_wheel")

@@ -12,14 +12,18 @@ from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.canopen.sdo_client import Outcome, SdoRefusedError, SdoTimeoutError, Transfer
 from firmware_bridge.drivers.driver import Level, Power, Reading
-from firmware_bridge.drivers.epos2.inputs_outputs import AnalogueInput, DigitalOutputs, ObjectRequest
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.driver.inputs_outputs import (
+    AnalogueInput,
+    DigitalOutputs,
+    ObjectRequest,
+)
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.functions import OUTPUT_STATE
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.functions import OUTPUT_STATE
 from hil_tests.unit.drivers.link_drivers_bench import HOST, Bench
 from hil_tests.unit.drivers.robots import LINK, changed
 

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.drivers.driver import Position, SetPoint, Speed, Stop
-from firmware_bridge.drivers.epos2.feedback import DriveFeedback
-from firmware_bridge.drivers.epos2.scale import Scale, highest_rpm
-from firmware_bridge.drivers.epos2.set_point import PositionSetPoint, VelocitySetPoint
+from firmware_bridge.families.epos2.driver.feedback import DriveFeedback
+from firmware_bridge.families.epos2.driver.scale import Scale, highest_rpm
+from firmware_bridge.families.epos2.driver.set_point import PositionSetPoint, VelocitySetPoint
 from firmware_bridge.robot import Axis
 from hil_tests.rows import every
 from hil_tests.unit.drivers.robots import LINK, RARS, with_axis

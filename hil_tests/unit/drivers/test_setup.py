@@ -4,12 +4,17 @@ import pytest
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.drivers.epos2 import setup
-from firmware_bridge.drivers.epos2.process_data import pdos
+from firmware_bridge.families.epos2.driver import setup
+from firmware_bridge.families.epos2.driver.process_data import pdos
+from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
+from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.functions import (
+    OUTPUT_MASK,
+    OUTPUT_PINS,
+    OUTPUT_POLARITY,
+    OUTPUT_STATE,
+)
 from firmware_bridge.robot import Axis, CommandForm, Output
-from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.functions import OUTPUT_MASK, OUTPUT_PINS, OUTPUT_POLARITY, OUTPUT_STATE
 from hil_tests.unit.drivers.robots import LINK, RARS, with_axis
 
 TABLE = Epos2Link.of_link(RARS, LINK)

@@ -7,15 +7,15 @@ import pytest
 
 from firmware_bridge.drivers.all_drivers import all_drivers_of
 from firmware_bridge.drivers.driver import BRING_UP, Level, Power, SetPoint, Speed, Stop
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.families.ar2.settings import Ar2Driver
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.settings import Epos2Driver
+from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.motion_capture.settings import CaptureDriver
+from firmware_bridge.families.motor_shield.settings import ShieldDriver
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Output
 from firmware_bridge.robot.family_tables import words
-from firmware_bridge.robot.settings.ar2 import Ar2Driver
-from firmware_bridge.robot.settings.capture import CaptureDriver
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
-from firmware_bridge.robot.settings.shield import ShieldDriver
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.drivers.link_drivers_bench import Bench
 from hil_tests.unit.drivers.robots import LINK, changed
 

@@ -9,11 +9,11 @@ from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen import objects as od
+from firmware_bridge.families.epos2.wire import emergency
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.can import REMOTE
-from firmware_bridge.wire.epos2 import emergency
 
 NODE = 1
 SWITCH_ON_DISABLED = 0x0540

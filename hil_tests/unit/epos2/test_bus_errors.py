@@ -12,12 +12,12 @@ from emulators.world import World
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
+from firmware_bridge.families.epos2.wire.power_states import STATUSWORDS
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR
 from firmware_bridge.wire.can_error import Loss
-from firmware_bridge.wire.epos2.power_states import STATUSWORDS
 from hil_tests.unit.world.players import Player
 
 ENABLE: Final = (

@@ -6,7 +6,7 @@ import pytest
 
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.wire.epos2.emergency import EMERGENCIES
+from firmware_bridge.families.epos2.wire.emergency import EMERGENCIES
 from hil_tests.rows import every
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
 

@@ -18,7 +18,7 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.canopen.pdo import MappingEntry
-from firmware_bridge.wire.epos2.objects_pdo import PROCESS_OBJECTS
+from firmware_bridge.families.epos2.wire.objects_pdo import PROCESS_OBJECTS
 from hil_tests.rows import Test, every
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
 

@@ -6,8 +6,8 @@ import pytest
 
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.canopen import objects as od
+from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.epos2.quiet_motion import Desk, operational, powered, set_up, u32
 
 TELEMETRY = (

@@ -14,13 +14,13 @@ from emulators.servo.bank import ServoBank
 from emulators.servo.motor import MOTOR, DcMotors
 from emulators.wires import CanWire, SerialWire, usb_line
 from emulators.world import World
+from firmware_bridge.families.epos2.maxon.frame import Failure, Generation, MaxonAnswer, Outcome
+from firmware_bridge.families.epos2.maxon.lines import host_end
+from firmware_bridge.families.epos2.maxon.messages import Answer, Request
+from firmware_bridge.families.epos2.maxon.opcodes import decode_answer, encode_request, row_of
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.maxon.frame import Failure, Generation, MaxonAnswer, Outcome
-from firmware_bridge.wire.maxon.lines import host_end
-from firmware_bridge.wire.maxon.messages import Answer, Request
-from firmware_bridge.wire.maxon.opcodes import decode_answer, encode_request, row_of
 from hil_tests.unit.epos2.quiet_motion import QuietMotion
 
 NEAR = 1

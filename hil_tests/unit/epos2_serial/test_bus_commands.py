@@ -4,8 +4,8 @@ import pytest
 
 from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.cia301 import NmtState
-from firmware_bridge.wire.maxon.frame import Generation
-from firmware_bridge.wire.maxon.messages import (
+from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.epos2.maxon.messages import (
     Done,
     FrameRead,
     ObjectRead,

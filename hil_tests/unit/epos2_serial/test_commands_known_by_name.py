@@ -3,8 +3,8 @@
 import pytest
 
 from firmware_bridge.canopen.abort import AbortCode
-from firmware_bridge.wire.maxon.frame import ANSWER, Frame, Generation, encode_v1, encode_v2
-from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject
+from firmware_bridge.families.epos2.maxon.frame import ANSWER, Frame, Generation, encode_v1, encode_v2
+from firmware_bridge.families.epos2.maxon.messages import ObjectRead, ReadObject
 from hil_tests.unit.epos2_serial.serial_desk import SerialDesk
 
 

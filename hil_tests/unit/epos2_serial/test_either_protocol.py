@@ -5,12 +5,12 @@ import pytest
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
+from firmware_bridge.families.epos2.maxon.frame import Generation, encode_v1, encode_v2
+from firmware_bridge.families.epos2.maxon.messages import ReadObject
+from firmware_bridge.families.epos2.maxon.opcodes import encode_request
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.maxon.frame import Generation, encode_v1, encode_v2
-from firmware_bridge.wire.maxon.messages import ReadObject
-from firmware_bridge.wire.maxon.opcodes import encode_request
 from hil_tests.unit.epos2.quiet_motion import QuietMotion
 
 REQUESTED = encode_request(ReadObject(0x1000, 0, 0))

@@ -6,9 +6,8 @@ from emulators.canopen.saved_parameters import SAVE
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.cia301 import NmtState
-from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.maxon.frame import Generation, MaxonAnswer
-from firmware_bridge.wire.maxon.messages import (
+from firmware_bridge.families.epos2.maxon.frame import Generation, MaxonAnswer
+from firmware_bridge.families.epos2.maxon.messages import (
     Done,
     InitiateSegmentedRead,
     InitiateSegmentedWrite,
@@ -18,6 +17,7 @@ from firmware_bridge.wire.maxon.messages import (
     SendNmtService,
     WriteObject,
 )
+from firmware_bridge.units import MILLISECOND
 from hil_tests.unit.epos2_serial.serial_desk import (
     FAR,
     NEAR,

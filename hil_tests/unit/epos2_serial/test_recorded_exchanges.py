@@ -7,12 +7,12 @@ from emulators.wires import SerialWire
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtState
+from firmware_bridge.families.epos2.maxon import messages
+from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.epos2.maxon.opcodes import row_of
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.can import REMOTE
-from firmware_bridge.wire.maxon import messages
-from firmware_bridge.wire.maxon.frame import Generation
-from firmware_bridge.wire.maxon.opcodes import row_of
 from hil_tests.rows import every
 from hil_tests.unit.epos2_serial.serial_desk import SerialDesk
 from hil_tests.wire.maxon_frames import EXCHANGES, Exchange

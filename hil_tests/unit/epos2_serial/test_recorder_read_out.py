@@ -7,9 +7,8 @@ from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import DcMotor, DcMotors
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.maxon.frame import Generation
-from firmware_bridge.wire.maxon.messages import (
+from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.epos2.maxon.messages import (
     Done,
     InitiateSegmentedRead,
     SegmentOut,
@@ -17,6 +16,7 @@ from firmware_bridge.wire.maxon.messages import (
     WriteObject,
     control,
 )
+from firmware_bridge.units import MILLISECOND
 from hil_tests.unit.epos2_serial.serial_desk import FAR, NEAR, SerialDesk
 
 BUFFER = 0x201B

@@ -5,10 +5,8 @@ import pytest
 from emulators.canopen.saved_parameters import SAVE
 from emulators.epos2.objects.device_profile import BAUDS
 from emulators.wires.serial import received_as
-from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire.maxon.frame import Failure, Generation
-from firmware_bridge.wire.maxon.messages import (
+from firmware_bridge.families.epos2.maxon.frame import Failure, Generation
+from firmware_bridge.families.epos2.maxon.messages import (
     Done,
     InitiateSegmentedRead,
     ObjectRead,
@@ -17,6 +15,8 @@ from firmware_bridge.wire.maxon.messages import (
     SendNmtService,
     WriteObject,
 )
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, SECOND, Nanoseconds
 from hil_tests.unit.epos2_serial.serial_desk import FAR, NEAR, SerialDesk, with_profile
 
 DEVICE_TYPE = ReadObject(0x1000, 0, 0)

@@ -2,11 +2,8 @@
 
 import pytest
 
-from firmware_bridge.node import SERIAL
-from firmware_bridge.packet import Packet
-from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.maxon.frame import Failure, Generation
-from firmware_bridge.wire.maxon.messages import (
+from firmware_bridge.families.epos2.maxon.frame import Failure, Generation
+from firmware_bridge.families.epos2.maxon.messages import (
     Done,
     ObjectRead,
     ReadObject,
@@ -15,6 +12,9 @@ from firmware_bridge.wire.maxon.messages import (
     SendNmtService,
     WriteObject,
 )
+from firmware_bridge.node import SERIAL
+from firmware_bridge.packet import Packet
+from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.epos2_serial.serial_desk import NEAR, NO_NODE, SerialDesk, both, u32
 
 

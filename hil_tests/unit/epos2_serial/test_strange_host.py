@@ -12,14 +12,14 @@ from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.families.epos2.maxon import messages
+from firmware_bridge.families.epos2.maxon.frame import Frame, Generation, encode_v1, encode_v2
+from firmware_bridge.families.epos2.maxon.opcodes import COMMANDS, encode_request
+from firmware_bridge.families.epos2.maxon.v2 import FrameReader
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import REMOTE, frame_bits
-from firmware_bridge.wire.maxon import messages
-from firmware_bridge.wire.maxon.frame import Frame, Generation, encode_v1, encode_v2
-from firmware_bridge.wire.maxon.opcodes import COMMANDS, encode_request
-from firmware_bridge.wire.maxon.v2 import FrameReader
 from hil_tests.lanes import examples
 
 NODE = 5

@@ -24,7 +24,7 @@ from emulators.fmea.report import COLUMNS, as_csv, as_page, wrongs
 from emulators.fmea.states import states_of
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.cli import main
-from firmware_bridge.drivers.shield.link_drivers import over_protocol
+from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
 from firmware_bridge.robot_types import find, names
 from firmware_bridge.units import MILLISECOND
 

@@ -12,14 +12,14 @@ from emulators.motion_capture.server import PATIENCE
 from emulators.motion_capture.system import COMMAND, DATA, MotionCapture, Timing
 from emulators.wires import DatagramWire
 from emulators.world import World
+from firmware_bridge.families.motion_capture.wire import frame as frames
+from firmware_bridge.families.motion_capture.wire import messages, models
+from firmware_bridge.families.motion_capture.wire.frame import BodyFlag, Frame, MarkerFlag
+from firmware_bridge.families.motion_capture.wire.layout import Version
+from firmware_bridge.families.motion_capture.wire.messages import Connect, MessageId, packet, split
+from firmware_bridge.families.motion_capture.wire.models import RigidBodyModel
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, from_seconds, to_seconds
-from firmware_bridge.wire.natnet import frame as frames
-from firmware_bridge.wire.natnet import messages, models
-from firmware_bridge.wire.natnet.frame import BodyFlag, Frame, MarkerFlag
-from firmware_bridge.wire.natnet.layout import Version
-from firmware_bridge.wire.natnet.messages import Connect, MessageId, packet, split
-from firmware_bridge.wire.natnet.models import RigidBodyModel
 
 ROUND = Circling(1.0, math.tau / 4.0, 0.2)
 V3_1 = Version(3, 1)

@@ -16,8 +16,8 @@ from emulators.servo.winding import DIODES_MV
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
+from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.epos2 import address as at
 
 # maxon RE25 20 W, values from memory of the catalog (assumed), with a small load.
 STEERING = DcMotor(2.32, 0.238e-3, 0.0234, 1.3e-6, friction=1.5e-3, damping=4e-7)

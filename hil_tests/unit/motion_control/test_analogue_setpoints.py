@@ -13,7 +13,7 @@ from emulators.epos2.modes.analogue import (
     AnalogueSetpoint,
 )
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.families.epos2.wire import address as at
 
 if TYPE_CHECKING:
     from hil_tests.unit.motion_control.conftest import Drive

@@ -12,15 +12,15 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import SdoAbort
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.functions import (
+from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.functions import (
     INPUT_EXECUTION,
     INPUT_PINS,
     INPUT_POLARITY,
     OUTPUT_PINS,
     OUTPUT_STATE,
 )
-from firmware_bridge.wire.epos2.power_states import state_of
+from firmware_bridge.families.epos2.wire.power_states import state_of
 from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import Drive, make_drive
 

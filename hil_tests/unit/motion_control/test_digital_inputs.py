@@ -9,8 +9,8 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.functions import (
+from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.functions import (
     INPUT_EXECUTION,
     INPUT_MASK,
     INPUT_PINS,

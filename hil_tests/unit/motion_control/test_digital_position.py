@@ -11,7 +11,7 @@ from emulators.epos2.objects.axis_parameters import DIGITAL_POSITION
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
+from firmware_bridge.families.epos2.wire.functions import INPUT_EXECUTION
 from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import make_drive
 

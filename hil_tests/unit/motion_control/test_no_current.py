@@ -7,7 +7,7 @@ from emulators.servo.axis_faults import AxisFaults, IndexPulse, SensorWires
 from emulators.servo.winding import set_winding
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.families.epos2.wire import address as at
 from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import STEERING, Drive, into_the_supply, make_drive
 from hil_tests.unit.motion_control.test_any_order import POWERED

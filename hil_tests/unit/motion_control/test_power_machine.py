@@ -8,8 +8,8 @@ from emulators.epos2.control.power_states import TRANSITIONS, Delays
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
+from firmware_bridge.families.epos2.wire.power_states import STATUSWORDS, state_of
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.epos2.power_states import STATUSWORDS, state_of
 from hil_tests.rows import every
 
 if TYPE_CHECKING:

@@ -11,11 +11,11 @@ from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.families.epos2.settings import Epos2Axis
+from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.robot import Axis, CommandForm
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.epos2 import address as at
 from fmu.build import ensure
 from fmu.plant import FmuPlant
 

@@ -25,13 +25,13 @@ from firmware_bridge.drivers.driver import (
     Task,
 )
 from firmware_bridge.drivers.link_drivers import LinkDrivers
+from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.intent import Answer, Arm, Request
 from firmware_bridge.motion.odometry import moved
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, Robot, Table
 from firmware_bridge.robot.file import robot_of, table_of
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_type import RobotMode, RobotType
 from firmware_bridge.robot_types import robot_type_named
 from firmware_bridge.safety.interlock import Interlock, View

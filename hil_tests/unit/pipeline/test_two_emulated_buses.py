@@ -10,10 +10,10 @@ from emulators.wires import CanWire, DatagramWire
 from emulators.wires.ends import Observer
 from emulators.world import World
 from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Robot
-from firmware_bridge.robot.settings.epos2 import Epos2Axis, Epos2Link
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.modes import number_of_own

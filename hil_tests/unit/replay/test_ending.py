@@ -9,11 +9,11 @@ import pytest
 from emulators.replay import Into, ReplayOrder
 from emulators.replay import replay as play
 from emulators.replay.ending import end_requested_at
+from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.recording import EPOCH
 from firmware_bridge.renamed import RenamedWarning
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND
 

@@ -6,8 +6,8 @@ import pytest
 
 from emulators.epos2.objects.catalogue import PROFILES
 from firmware_bridge import robot_types
+from firmware_bridge.families.epos2.settings import Epos2Device
 from firmware_bridge.robot import RobotFileError
-from firmware_bridge.robot.settings.epos2 import Epos2Device
 
 DIFF_DRIVE: Final = robot_types.robots()["diff_drive"].read_text(encoding="utf-8")
 

@@ -14,13 +14,13 @@ from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.gateway import Cluster
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.cli.links import open_serial
+from firmware_bridge.families.epos2.maxon.frame import Frame, Generation, encode_v2
 from firmware_bridge.node import CAN, DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST, SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.runtime.ports import LostPort, Port, PortError, PseudoTerminal, SeenOpening, SerialLine
 from firmware_bridge.runtime.runner import run
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire.maxon.frame import Frame, Generation, encode_v2
 from hil_tests.unit.epos2.quiet_motion import QuietMotion
 from hil_tests.unit.world.players import Player
 

@@ -7,15 +7,15 @@ import pytest
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.sdo_client import SdoError, SdoRefusedError, SdoTimeoutError, Transfer
-from firmware_bridge.drivers.epos2.serial.client import TRY_WITHIN, SerialClient, reading, writing
-from firmware_bridge.drivers.epos2.serial.exchange import LineExchange, Result
+from firmware_bridge.families.epos2.driver.serial.client import TRY_WITHIN, SerialClient, reading, writing
+from firmware_bridge.families.epos2.driver.serial.exchange import LineExchange, Result
+from firmware_bridge.families.epos2.maxon.frame import Failure, MaxonAnswer, Outcome
+from firmware_bridge.families.epos2.maxon.messages import Done, ObjectRead, Request
+from firmware_bridge.families.epos2.maxon.opcodes import encode_answer
+from firmware_bridge.families.epos2.maxon.packets import command, outcome_packet
 from firmware_bridge.node import LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.maxon.frame import Failure, MaxonAnswer, Outcome
-from firmware_bridge.wire.maxon.messages import Done, ObjectRead, Request
-from firmware_bridge.wire.maxon.opcodes import encode_answer
-from firmware_bridge.wire.maxon.packets import command, outcome_packet
 
 READ: Final = Transfer(od.STATUSWORD)
 WRITE: Final = Transfer(od.CONTROLWORD, b"\x06\x00")

@@ -5,14 +5,14 @@ from dataclasses import dataclass, field
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.drivers.epos2.serial.exchange import PATIENCE, Job, LineExchange, Rank, Result
+from firmware_bridge.families.epos2.driver.serial.exchange import PATIENCE, Job, LineExchange, Rank, Result
+from firmware_bridge.families.epos2.maxon.frame import Failure, MaxonAnswer
+from firmware_bridge.families.epos2.maxon.messages import Done, ReadObject, Request, WriteObject
+from firmware_bridge.families.epos2.maxon.opcodes import encode_answer
+from firmware_bridge.families.epos2.maxon.packets import command, outcome_packet
 from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire.maxon.frame import Failure, MaxonAnswer
-from firmware_bridge.wire.maxon.messages import Done, ReadObject, Request, WriteObject
-from firmware_bridge.wire.maxon.opcodes import encode_answer
-from firmware_bridge.wire.maxon.packets import command, outcome_packet
 
 
 @dataclass

@@ -5,13 +5,13 @@ import re
 import pytest
 
 from firmware_bridge.drivers.all_drivers import all_drivers_of
-from firmware_bridge.drivers.epos2.serial.feedback import IN_TURN
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
-from firmware_bridge.drivers.epos2.serial.plan import fitting_plan, plan_for
 from firmware_bridge.drivers.link_drivers import PlanError
+from firmware_bridge.families.epos2.driver.serial.feedback import IN_TURN
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.driver.serial.plan import fitting_plan, plan_for
+from firmware_bridge.families.epos2.maxon.frame import Generation
 from firmware_bridge.robot import AnyRobot, Output
 from firmware_bridge.units import MICROSECOND, MILLISECOND
-from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.drivers.robots import LINK, RARS, with_link
 
 

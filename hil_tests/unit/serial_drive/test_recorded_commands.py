@@ -9,14 +9,14 @@ from typing import Final
 import pytest
 
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.drivers.epos2.serial.client import reading, writing
-from firmware_bridge.drivers.epos2.serial.line import MaxonLine
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.driver.serial.client import reading, writing
+from firmware_bridge.families.epos2.driver.serial.line import MaxonLine
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.epos2.maxon.messages import Request, SendNmtService
+from firmware_bridge.families.epos2.maxon.packets import command
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot_types import find
-from firmware_bridge.wire.maxon.frame import Generation
-from firmware_bridge.wire.maxon.messages import Request, SendNmtService
-from firmware_bridge.wire.maxon.packets import command
 from hil_tests.scenarios.ride import ARMED, ride
 
 LINE: Final = "line"

@@ -4,10 +4,10 @@ from typing import Any
 
 import pytest
 
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.epos2.settings import Epos2Driver, Epos2Link, nodes_on
 from firmware_bridge.robot import AnyRobot, RobotFileError
-from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link, nodes_on
-from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.drivers.robots import LINK, RARS, changed
 
 ON_LINE: dict[str, object] = {"driver": "epos2-serial", "gateway": 1}

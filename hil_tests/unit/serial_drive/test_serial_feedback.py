@@ -3,8 +3,8 @@
 import pytest
 
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.drivers.epos2.scale import Scale
-from firmware_bridge.drivers.epos2.serial.feedback import SerialFeedback
+from firmware_bridge.families.epos2.driver.scale import Scale
+from firmware_bridge.families.epos2.driver.serial.feedback import SerialFeedback
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from hil_tests.unit.drivers.robots import RARS

@@ -6,17 +6,22 @@ import pytest
 
 from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.drivers.driver import Stop
-from firmware_bridge.drivers.epos2.serial.drive import Epos2OnSerial
-from firmware_bridge.drivers.epos2.serial.exchange import LineExchange, Rank
-from firmware_bridge.drivers.epos2.serial.feedback import ERROR_REGISTER, POSITION, STATUSWORD, ReadRow
-from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.driver.serial.drive import Epos2OnSerial
+from firmware_bridge.families.epos2.driver.serial.exchange import LineExchange, Rank
+from firmware_bridge.families.epos2.driver.serial.feedback import (
+    ERROR_REGISTER,
+    POSITION,
+    STATUSWORD,
+    ReadRow,
+)
+from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
+from firmware_bridge.families.epos2.maxon.frame import MaxonAnswer
+from firmware_bridge.families.epos2.maxon.messages import ObjectRead, ReadObject, WriteObject
+from firmware_bridge.families.epos2.maxon.opcodes import encode_answer
+from firmware_bridge.families.epos2.maxon.packets import command, outcome_packet
+from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.robot_types import find
-from firmware_bridge.wire.maxon.frame import MaxonAnswer
-from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, WriteObject
-from firmware_bridge.wire.maxon.opcodes import encode_answer
-from firmware_bridge.wire.maxon.packets import command, outcome_packet
 
 ROBOT: Final = over_serial(find("rars"))
 STEER, LIFT = 3, 4

@@ -10,17 +10,17 @@ from emulators.arduino_omni.board import FIRMWARES, Board
 from emulators.arduino_omni.motors import four_motors
 from firmware_bridge.drivers.driver import Reports, Speed, Stop, Task
 from firmware_bridge.drivers.link_drivers import PlanError
-from firmware_bridge.drivers.shield.dialects import DIALECTS, Dialect
-from firmware_bridge.drivers.shield.expressed import expressed
-from firmware_bridge.drivers.shield.link_drivers import over_protocol, shield_link_drivers
-from firmware_bridge.drivers.shield.motor import ShieldMotor
-from firmware_bridge.drivers.shield.plan import MOST, fitting_plan, shield_plan
-from firmware_bridge.drivers.shield.regulator import Pwm, Ticks
-from firmware_bridge.drivers.shield.stops import stop_stages
+from firmware_bridge.families.motor_shield.driver.dialects import DIALECTS, Dialect
+from firmware_bridge.families.motor_shield.driver.expressed import expressed
+from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol, shield_link_drivers
+from firmware_bridge.families.motor_shield.driver.motor import ShieldMotor
+from firmware_bridge.families.motor_shield.driver.plan import MOST, fitting_plan, shield_plan
+from firmware_bridge.families.motor_shield.driver.regulator import Pwm, Ticks
+from firmware_bridge.families.motor_shield.driver.stops import stop_stages
+from firmware_bridge.families.motor_shield.settings import ShieldAxis, ShieldLink, ShieldProtocol
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, RobotFileError
-from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldLink, ShieldProtocol
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 

@@ -6,13 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.drivers.shield.link_drivers import over_protocol
-from firmware_bridge.drivers.shield.regulator import Pwm, Ticks
+from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
+from firmware_bridge.families.motor_shield.driver.regulator import Pwm, Ticks
+from firmware_bridge.families.motor_shield.guard.commands import Inputs
+from firmware_bridge.families.motor_shield.guard.rules import GuardedMotor
+from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.robot_types import find
-from firmware_bridge.safety.guard.shield import GuardedMotor
-from firmware_bridge.safety.guard.shield_commands import Inputs
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 ROBOTS: Final = {name: over_protocol(find("rome"), name, 3) for name in ("ros-arduino-bridge", "arduinoio")}

@@ -19,12 +19,12 @@ from emulators.world import World
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.cli import program
+from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.differences import ANY_TYPE
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.runtime.data_sheets import SheetError, configured
 from firmware_bridge.units import SECOND
-from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.differences import ANY_TYPE
 from hil_tests.rows import every
 from hil_tests.unit.world.players import Player
 

@@ -11,7 +11,7 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.canopen.emergency import FaultReaction
-from firmware_bridge.wire.epos2.emergency import EMERGENCIES
+from firmware_bridge.families.epos2.wire.emergency import EMERGENCIES
 from hil_tests.unit.motion_control.conftest import STEERING, into_the_supply
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import pytest
 
 from emulators.servo.axis_faults import AxisFaults, IndexPulse, SensorWires
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.families.epos2.wire import address as at
 from hil_tests.unit.motion_control.faults.conftest import (
     DENOMINATOR,
     MISCELLANEOUS,

@@ -7,7 +7,7 @@ import pytest
 
 from emulators.servo.axis_faults import AxisFaults
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.families.epos2.wire import address as at
 from hil_tests.unit.motion_control.conftest import STEERING
 from hil_tests.unit.motion_control.faults.conftest import (
     falls,

@@ -6,7 +6,7 @@ import pytest
 
 from emulators.epos2.modes.interpolation_buffer import BUFFER_CLEAR, BUFFER_STATUS, DATA_RECORD
 from emulators.epos2.objects.device_profile import BUFFER_SIZE
-from firmware_bridge.wire.epos2.pvt import PvtRecord
+from firmware_bridge.families.epos2.wire.pvt import PvtRecord
 
 if TYPE_CHECKING:
     from hil_tests.unit.motion_control.conftest import Drive

@@ -7,7 +7,7 @@ import pytest
 from emulators.epos2.objects.device_profile import BUFFER_FREE
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
+from firmware_bridge.families.epos2.wire.functions import INPUT_EXECUTION
 from hil_tests.unit.motion_control.interpolated_position.conftest import (
     ACCELERATION,
     ACCELERATION_WARNING,

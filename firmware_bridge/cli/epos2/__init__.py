@@ -1,1 +1,0 @@
-"""`epos2`: one drive at the command line. Other packages add commands of their own to the group."""

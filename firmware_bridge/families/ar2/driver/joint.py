@@ -1,0 +1,228 @@
+"""One joint of the arm as the bridge sees it: a `firmware_bridge.drivers.driver.Driver`.
+
+It has no encoder, and the board reports no power. Its position is counted: from a confirmed one, by the steps
+of moves whose end the board has proved. A motor that has lost steps is not noticed. Commands to all joints
+are the board's: a set-point is noted here.
+"""
+
+from typing import Final, Protocol
+
+from firmware_bridge.drivers.driver import (
+    Feedback,
+    Position,
+    Power,
+    Reports,
+    SetPoint,
+    StartupError,
+    Stop,
+    Task,
+)
+from firmware_bridge.families.ar2.settings import Ar2Axis, Ar2Link
+from firmware_bridge.intent import NEVER_RECEIVED
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import AnyRobot, Axis
+from firmware_bridge.units import NEVER, Nanoseconds, to_seconds
+
+REPORTS: Final = frozenset({Reports.STOP})
+"""The board's answer to a line behind a move proves that its steps are done; it reports nothing more."""
+MOVES_AT_ONCE: Final = 1
+"""Steps beside those of its top speed, for the rounding of the command."""
+
+
+class JointBoard(Protocol):
+    """The carrier of the joint's commands: its board."""
+
+    @property
+    def under_way(self) -> tuple[Task, ...]:
+        """The tasks that are not done."""
+
+    @property
+    def stops(self) -> bool:
+        """True where the tasks under way stop the arm."""
+
+    @property
+    def configured(self) -> bool:
+        """True where the board was found, and not lost since."""
+
+    @property
+    def problem(self) -> str | None:
+        """The reason why the last tasks failed."""
+
+    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do tasks, for all joints."""
+
+    def end_tasks(self) -> None:
+        """Do those under way no more."""
+
+    def note_set_point(self) -> None:
+        """Move the joints to where they are wanted, soon."""
+
+    def placed(self, joint: "Ar2Joint", steps: int, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Say on the line where a joint stands."""
+
+
+class Ar2Joint:
+    """One joint."""
+
+    def __init__(self, axis: Axis, robot: AnyRobot, board: JointBoard) -> None:
+        self._axis: Final = axis
+        self._board: Final = board
+        self.number: Final = Ar2Axis.of(axis).joint
+        self._per_unit: Final = Ar2Axis.of(axis).steps_per_unit(axis.ratio)
+        link = Ar2Link.of_link(robot, axis.link)
+        # Half steps, hence twice the motor's full steps; the smaller of both bounds a move.
+        by_axis = axis.top_speed * to_seconds(robot.cycle * link.every) * self._per_unit
+        by_motor = 2.0 * Ar2Axis.of(axis).full_steps_s * to_seconds(link.move)
+        self.most: Final = int(min(by_axis, by_motor)) + MOVES_AT_ONCE
+        """Steps of one move."""
+        self.set_point: SetPoint = Stop.STANDSTILL
+        self.enabled = False
+        """True where it may be moved."""
+        self.released = False
+        """True where the board has proved that nothing moves since it may not."""
+        self.count: int | None = None
+        """Steps from the end of its way; None while no one knows."""
+        self.commanded: int | None = None
+        """The count that was sent to the board, which has not answered."""
+        self._position = self._velocity = 0.0
+        self._received_at: Nanoseconds = NEVER_RECEIVED
+        self._sampled_at: Nanoseconds = NEVER_RECEIVED
+
+    @property
+    def axis(self) -> Axis:
+        """The axis that it moves."""
+        return self._axis
+
+    @property
+    def reports(self) -> frozenset[Reports]:
+        """Reports of its device."""
+        return REPORTS
+
+    @property
+    def feedback(self) -> Feedback:
+        """Its known state; the power is as commanded here, and its current is never the bridge's."""
+        power = Power.UNKNOWN
+        if self._board.configured and self._received_at != NEVER_RECEIVED:
+            # The board reports no power; this is what was commanded, and its motors keep their current.
+            power = Power.ON if self.enabled else Power.OFF
+        return Feedback(
+            axis=self._axis.name,
+            power=power,
+            received_at=self._received_at,
+            sampled_at=self._sampled_at,
+            position=self._position,
+            velocity=self._velocity,
+            text="" if power is Power.UNKNOWN else "counted" if self.enabled else "counted, not moved",
+            reference_lost=self.count is None,
+        )
+
+    @property
+    def sampled_at(self) -> Nanoseconds:
+        """Time of its newest sample."""
+        return self._sampled_at
+
+    @property
+    def between(self) -> None:
+        """None: its device sends no position between samples."""
+
+    @property
+    def busy(self) -> bool:
+        """True while the board has tasks to do, or is receiving the joint's position."""
+        return bool(self._board.under_way) or self.commanded is not None
+
+    @property
+    def stopping(self) -> bool:
+        """True where the tasks under way stop the device, or were requested by no one."""
+        return self._board.stops
+
+    @property
+    def failure(self) -> StartupError | None:
+        """The failure of the board's last tasks."""
+        problem = self._board.problem
+        return None if problem is None else StartupError(self._axis, problem)
+
+    @property
+    def configured(self) -> bool:
+        """True where the board was found, and not lost since."""
+        return self._board.configured
+
+    @property
+    def unpowered(self) -> bool:
+        """True where the board has proved that nothing moves, and nothing was sent since.
+
+        A weaker proof than a power report, which the device lacks: the motors keep their current, and hold.
+        """
+        return self.released
+
+    @property
+    def wake_at(self) -> Nanoseconds:
+        """Never: the board is woken."""
+        return NEVER
+
+    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do these tasks, with all joints."""
+        return self._board.begin(tasks, now)
+
+    def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Count from a confirmed position, in rad; it is sent on the line, and counts once echoed."""
+        return self._board.placed(self, self.steps_at(position), now)
+
+    def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do nothing: its position needs confirmation by sight."""
+        del now
+        return ()
+
+    def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
+        """Note a set-point; while tasks are under way only one that stops, unless they do so themselves."""
+        if self._board.under_way:
+            if set_point not in {Stop.QUICK_STOP, Stop.POWER_OFF} or self._board.stops:
+                return ()
+            self._board.end_tasks()
+        self.set_point = set_point
+        if set_point is Stop.POWER_OFF:
+            self.enabled = False
+        self._board.note_set_point()
+        return ()
+
+    def release(self) -> tuple[Packet, ...]:
+        """Do nothing: no command of the board has a handshake."""
+        return ()
+
+    def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do nothing: the board is woken."""
+        del now
+        return ()
+
+    def steps_at(self, position: float) -> int:
+        """Return the count at a position in rad."""
+        # Counted from one end of the travel, as the GUI does, in the motor's direction.
+        return round(self._axis.direction * (position - Ar2Axis.of(self._axis).origin) * self._per_unit)
+
+    @property
+    def wanted(self) -> int:
+        """Steps from where it is counted to where it shall be."""
+        if self.count is None or not self.enabled or not isinstance(self.set_point, Position):
+            return 0
+        return self.steps_at(self.set_point.value) - self.count
+
+    def moved(self, steps: int) -> None:
+        """Learn that so many steps are done."""
+        if self.count is not None:
+            self.count += steps
+
+    def lost(self) -> None:
+        """Learn that no one knows any more where it stands, and that it may not be moved."""
+        self.count = self.commanded = None
+        self.enabled = self.released = False
+        self.set_point = Stop.STANDSTILL
+
+    def sampled(self, cycle_at: Nanoseconds, now: Nanoseconds, *, placed: bool) -> None:
+        """Take the board's answer to a cycle's request; `placed`: its position was sent since."""
+        before, count = self._position, self.count
+        if count is not None:
+            self._position = Ar2Axis.of(self._axis).origin + self._axis.direction * count / self._per_unit
+        # A position that was confirmed in between is no motion.
+        known = self._sampled_at != NEVER_RECEIVED and count is not None and not placed
+        elapsed = to_seconds(cycle_at - self._sampled_at)
+        self._velocity = (self._position - before) / elapsed if known and elapsed > 0.0 else 0.0
+        self._sampled_at, self._received_at = cycle_at, now

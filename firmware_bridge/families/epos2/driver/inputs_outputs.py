@@ -1,0 +1,176 @@
+"""Sensors and outputs at the pins of an EPOS2: its objects read and written beside the drive's tasks.
+
+The link is not known here: a drive takes an `ObjectRequest` and ends it.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen.sdo_client import Outcome, SdoError, SdoTimeoutError, Transfer
+from firmware_bridge.drivers.driver import Level, Reading
+from firmware_bridge.families.epos2.driver.setup import general_purpose
+from firmware_bridge.families.epos2.settings import Epos2AnalogueInput, Epos2DigitalOutput
+from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.functions import OUTPUT_STATE
+from firmware_bridge.intent import NEVER_RECEIVED
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import AnyRobot, Axis, Output, Sensor
+from firmware_bridge.units import Nanoseconds
+
+MILLIVOLTS: Final = 1000.0
+_VOLTAGE: Final = DataType.INTEGER16
+_STATE: Final = DataType.UNSIGNED16
+
+
+@dataclass(slots=True, eq=False)
+class ObjectRequest:
+    """One object to read or to write. Over without an outcome: it was dropped, and may not have left."""
+
+    transfer: Transfer
+    over: bool = False
+    outcome: Outcome | None = None
+    ended_at: Nanoseconds = NEVER_RECEIVED
+
+    def end(self, outcome: Outcome, now: Nanoseconds) -> None:
+        """Take the outcome."""
+        self.over, self.outcome, self.ended_at = True, outcome, now
+
+
+class IoDrive(Protocol):
+    """The view of a drive for its inputs and outputs."""
+
+    @property
+    def axis(self) -> Axis:
+        """The axis that it moves."""
+
+    @property
+    def busy(self) -> bool:
+        """True while tasks are under way."""
+
+    @property
+    def configured(self) -> bool:
+        """True where its set-up is in force."""
+
+    @property
+    def set_ups(self) -> int:
+        """Number of times that its set-up was written; before each one the drive may have restarted."""
+
+    def request(self, request: ObjectRequest, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do this when nothing more urgent is to be done, or drop it."""
+
+
+class AnalogueInput:
+    """A sensor behind an analog input (0x207C, EDS); a `firmware_bridge.drivers.driver.SensorDriver`."""
+
+    def __init__(self, sensor: Sensor, drive: IoDrive) -> None:
+        self.sensor: Final = sensor
+        self._drive: Final = drive
+        self._address: Final = Address(at.ANALOGUE_INPUT_1.index, Epos2AnalogueInput.of(sensor).input)
+        self._per_volt: Final = Epos2AnalogueInput.of(sensor).per_volt
+        self._requested_at: Nanoseconds = NEVER_RECEIVED
+        self._request: ObjectRequest | None = None
+        self._reading: Reading | None = None
+
+    @property
+    def reading(self) -> Reading | None:
+        """Its last report; None where the drive has no such value."""
+        self._take()
+        return self._reading
+
+    def measure(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Ask for the voltage, unless the last question is still open."""
+        self._take()
+        if self._request is not None:
+            return ()
+        self._requested_at, self._request = now, ObjectRequest(Transfer(self._address, attempts=1))
+        return self._drive.request(self._request, now)
+
+    def _take(self) -> None:
+        request = self._request
+        if request is None or not request.over:
+            return
+        self._request = None
+        outcome = request.outcome
+        if isinstance(outcome, bytes) and len(outcome) == _VOLTAGE.size:
+            value = _VOLTAGE.decode(outcome) * self._per_volt / MILLIVOLTS
+            self._reading = Reading(value, self._requested_at, request.ended_at)
+        # A time-out leaves the last value, which expires by itself; a refusal means that there is none.
+        elif outcome is not None and not isinstance(outcome, SdoTimeoutError):
+            self._reading = None
+
+
+class DigitalOutputs:
+    """The outputs of one drive (0x2078); a `firmware_bridge.drivers.driver.OutputDriver`.
+
+    Leaving, the bridge does not touch them: whether a magnet or a lamp goes out then is for the robot.
+    """
+
+    def __init__(self, outputs: tuple[Output, ...], drive: IoDrive) -> None:
+        self.outputs: Final = outputs
+        self._drive: Final = drive
+        self._bits: Final = {
+            output.name: general_purpose(Epos2DigitalOutput.of(output).output).bit for output in outputs
+        }
+        self._wanted = 0
+        self._confirmed: int | None = None
+        """The value that the drive has accepted last; None where that is not known."""
+        self._set_up = 0
+        """In which set-up of the drive that was."""
+        self._request: ObjectRequest | None = None
+
+    def switch(self, levels: Mapping[str, Level], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Write the outputs' state where the drive has not confirmed it; one that is left out stays."""
+        for name, bit in self._bits.items():
+            level = levels.get(name)
+            if level is not None:
+                self._wanted = self._wanted | bit if level.on else self._wanted & ~bit
+        self._take()
+        if self._drive.busy or not self._drive.configured:
+            return ()
+        if self._set_up != self._drive.set_ups:
+            # The drive may have restarted before: its pins are as it makes them then.
+            self._set_up, self._confirmed = self._drive.set_ups, None
+        if self._request is not None or self._wanted == self._confirmed:
+            return ()
+        raw = _STATE.encode(self._wanted)
+        self._request = ObjectRequest(Transfer(OUTPUT_STATE, raw, attempts=1))
+        return self._drive.request(self._request, now)
+
+    def _take(self) -> None:
+        request = self._request
+        if request is None or not request.over:
+            return
+        self._request = None
+        # Over without an outcome: it may have left or not, so the level is written again.
+        taken = request.outcome is not None and not isinstance(request.outcome, SdoError)
+        raw = request.transfer.raw
+        self._confirmed = _STATE.decode(raw) if taken and raw is not None else None
+
+
+def inputs_of(robot: AnyRobot, link: str, drives: Iterable[IoDrive]) -> tuple[AnalogueInput, ...]:
+    """Return the sensors on a link, in the robot file's order."""
+    by_axis = {drive.axis.name: drive for drive in drives}
+    return tuple(
+        AnalogueInput(sensor, by_axis[Epos2AnalogueInput.of(sensor).axis])
+        for sensor in robot.sensors
+        if sensor.link == link
+    )
+
+
+def outputs_of(robot: AnyRobot, drives: Iterable[IoDrive]) -> tuple[DigitalOutputs, ...]:
+    """Return the outputs of these drives, a group for each drive that has any."""
+    return tuple(
+        DigitalOutputs(outputs, drive) for drive in drives if (outputs := outputs_at(robot, drive.axis))
+    )
+
+
+def outputs_at(robot: AnyRobot, axis: Axis) -> tuple[Output, ...]:
+    """Return the outputs at the drive of one axis, in the robot file's order."""
+    return tuple(
+        output
+        for output in robot.outputs
+        if output.link == axis.link and Epos2DigitalOutput.of(output).axis == axis.name
+    )

@@ -1,0 +1,113 @@
+"""Steps that the tasks of an EPOS2 are made of: one transfer or one frame each, and what its answer must be.
+
+They refuse to know which task they belong to. What judges an answer is a frozen object and no closure: a
+world that can be rewound looks into each closure at each moment.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from firmware_bridge.canopen import cia301
+from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtCommand
+from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen.sdo_client import ATTEMPTS, Outcome, SdoError, Transfer
+from firmware_bridge.drivers.driver import StartupError
+from firmware_bridge.drivers.script_runner import Ask, Do, Script, Until
+from firmware_bridge.families.epos2.driver.setup import SetupObject
+from firmware_bridge.families.epos2.settings import Epos2Axis
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import Axis
+from firmware_bridge.units import Nanoseconds
+
+
+def nmt(axis: Axis, command: NmtCommand) -> Packet:
+    """Return the network command to this node."""
+    return Packet(axis.link, cia301.NMT, cia301.encode_nmt(command, Epos2Axis.of(axis).node))
+
+
+@dataclass(frozen=True, slots=True)
+class _Expected:
+    """A check of a read value: the task fails unless it is the row's value."""
+
+    axis: Axis
+    row: SetupObject
+
+    def __call__(self, outcome: Outcome) -> Script:
+        row = self.row
+        if isinstance(outcome, SdoError):
+            raise StartupError(self.axis, f"{outcome} (expected {row.expected})") from outcome
+        if not row.has(outcome):
+            problem = f"SDO upload {row.address} gave {row.show(outcome)} (expected {row.expected})"
+            raise StartupError(self.axis, problem)
+        return ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Decoded:
+    """Goes on with a number that was read."""
+
+    axis: Axis
+    kind: DataType
+    then: Callable[[int], Script]
+
+    def __call__(self, outcome: Outcome) -> Script:
+        if isinstance(outcome, SdoError):
+            raise StartupError(self.axis, str(outcome)) from outcome
+        return self.then(self.kind.decode(outcome))
+
+
+@dataclass(frozen=True, slots=True)
+class _Taken:
+    """Judges whether the drive took what was written."""
+
+    axis: Axis
+    doing: str
+
+    def __call__(self, outcome: Outcome) -> Script:
+        if isinstance(outcome, SdoError):
+            raise StartupError(self.axis, f"{outcome} ({self.doing})") from outcome
+        return ()
+
+
+def expected(axis: Axis, row: SetupObject, attempts: int = 2) -> Ask:
+    """Read an object; the task fails unless it holds the row's value."""
+    return Ask(Transfer(row.address, attempts=attempts), _Expected(axis, row))
+
+
+def read(
+    axis: Axis,
+    address: Address,
+    kind: DataType,
+    then: Callable[[int], Script],
+    attempts: int = ATTEMPTS,
+) -> Ask:
+    """Read a number and go on with what `then` makes of it; the task fails without an answer."""
+    return Ask(Transfer(address, attempts=attempts), _Decoded(axis, kind, then))
+
+
+def written(axis: Axis, transfer: Transfer, doing: str) -> Ask:
+    """Write an object; the task fails unless the drive takes it. `doing` is for people."""
+    return Ask(transfer, _Taken(axis, doing))
+
+
+def controlled(axis: Axis, controlword: int, attempts: int = ATTEMPTS) -> Ask:
+    """Write the controlword by SDO: where process data does not flow there is no other way."""
+    # In pre-operational no RPDO is taken (CiA 301), so an object is the only way.
+    transfer = Transfer(od.CONTROLWORD, DataType.UNSIGNED16.encode(controlword), attempts)
+    return written(axis, transfer, f"writing 0x{controlword:04X}")
+
+
+def pause(duration: Nanoseconds) -> Until:
+    """Let time pass."""
+    return Until(lambda: False, duration)
+
+
+def failing(axis: Axis, problem: str) -> Do:
+    """End the task with this problem."""
+
+    def fail() -> Script:
+        raise StartupError(axis, problem)
+
+    return Do(fail)

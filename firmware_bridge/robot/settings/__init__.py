@@ -1,1 +1,0 @@
-"""A robot file's settings of each driver's links, axes, sensors and outputs; for bridge and emulators."""
