@@ -10,7 +10,6 @@ from firmware_bridge.units import Nanoseconds
 
 CAN: Final = "can"
 SERIAL: Final = "serial"
-MAXON: Final = "maxon"
 """Commands of maxon's serial protocol on their way to or from a line; see `families.epos2.maxon.packets`."""
 OPERATOR: Final = "operator"
 LINE_LOST: Final = 1

@@ -73,6 +73,7 @@ PACKAGES: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("robots/*/station", ("unit/teleop/*",)),
     ("robots/rars/model", ("unit/pilot/test_predictor",)),
     ("robots/rars/modes", ("robots/test_rars_modes",)),
+    ("robots/ar2/arm", ("unit/motion/*",)),
     ("robots/ar2/*", ("scenarios/test_ar2_stories",)),
     ("robots/rome_arm/*", ("robots/test_rome_arm", "scenarios/test_rome_arm_stories")),
     ("robots/rome/*", ("robots/test_rome", "robots/test_rome_cameras")),

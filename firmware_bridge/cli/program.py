@@ -26,6 +26,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "List the robots that are installed, each file checked.",
     ),
     CliCommand(
+        "families",
+        "firmware_bridge.cli.families:shown",
+        "List the families of devices that are installed: links, axes, reports, watchdog.",
+    ),
+    CliCommand(
         "monitor",
         "firmware_bridge.cli.monitor:monitor",
         "Show a CAN bus decoded: nodes, PDOs, statuswords, emergencies, rates, load, the last error.",

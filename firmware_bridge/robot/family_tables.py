@@ -4,7 +4,7 @@ The schema is made when the first robot file is read: only then are the families
 package themselves.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import reduce
@@ -31,13 +31,14 @@ def tables(kind: Kind) -> tuple[type[Table], ...]:
 def words(kind: Kind) -> dict[str, type[Table]]:
     """Return the words that name a family's table of this kind, with the table."""
     key = WORDS.get(kind, "")
-    return {str(word): table for table in tables(kind) for word in _members(table, key)}
+    return {word: table for table in tables(kind) for word in words_of(table, key)}
 
 
-def _members(table: type[Table], key: str) -> Collection[StrEnum]:
+def words_of(table: type[Table], key: str) -> tuple[str, ...]:
+    """Return the words that a table may have under a key; none where it takes no particular ones."""
     field = table.model_fields.get(key)
     named = None if field is None else field.annotation
-    return list(named) if isinstance(named, type) and issubclass(named, StrEnum) else ()
+    return tuple(map(str, named)) if isinstance(named, type) and issubclass(named, StrEnum) else ()
 
 
 def mark(table: type[Table]) -> str:

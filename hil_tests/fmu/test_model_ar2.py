@@ -8,8 +8,8 @@ import pytest
 
 from emulators.arduino_omni.ar2.axes import JOINTS as BOARD
 from emulators.arduino_omni.ar2.gravity import LINKS, weight
-from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.motion.chain import Matrix
+from firmware_bridge.robots.ar2.arm import AR2
 from fmu.ar2 import equations
 from fmu.ar2.equations import model
 from fmu.ar2.parameters import AXES, JOINTS, PARAMETERS, SETS

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from emulators.arduino_omni.ar2.gravity import LINKS, weight
-from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.motion.chain import Matrix
 from firmware_bridge.motion.omni import ANGLES
 from firmware_bridge.robot_types import find
+from firmware_bridge.robots.ar2.arm import AR2
 from firmware_bridge.robots.rome_arm.balance import balance
 from fmu.ar2.parameters import AXES, JOINTS
 from fmu.rome_arm.equations import model

@@ -11,8 +11,8 @@ from emulators.rig import BRIDGE, Rig
 from emulators.testing.inherited.scripted import scripted
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.cli import program
-from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.robot_types import find
+from firmware_bridge.robots.ar2.arm import AR2
 
 STILL_M = 3e-4
 """Less than two steps of its shoulder take the tool."""

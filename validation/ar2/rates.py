@@ -12,9 +12,9 @@ import numpy as np
 
 from emulators.bench import mission as missions
 from emulators.bench.bench_setup import bench_setup_of
-from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.motion.resolved_rate import pose_law, resolved
 from firmware_bridge.robot_types import find
+from firmware_bridge.robots.ar2.arm import AR2
 from validation.studies.chain import driven
 from validation.studies.solve import Floats
 from validation.studies.study import Compared, Curve, Findings, Plot, Sheet

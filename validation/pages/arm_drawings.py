@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 
 from emulators.bench.bench_setup import bench_setup_of
-from firmware_bridge.motion.ar2 import AR2, FOREARM_M, HEIGHT_M, SHOULDER_M, TOOL_M, UPPER_ARM_M
 from firmware_bridge.robot import AnyRobot, Robot
+from firmware_bridge.robots.ar2.arm import AR2, FOREARM_M, HEIGHT_M, SHOULDER_M, TOOL_M, UPPER_ARM_M
 from firmware_bridge.robots.ar2.geometry import Ar2Geometry, Workspace
 from firmware_bridge.robots.rome_arm.balance import INRADIUS, SIDES, balance
 from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry

@@ -17,8 +17,8 @@ from emulators.bench.path_error import OFFSET
 from emulators.bench.path_error import Path as FollowedPath
 from emulators.bench.step import Finite, Holds, Positive, Presses, Slope, Step
 from emulators.robots.ar2.cases import cases
-from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.robot import Robot
+from firmware_bridge.robots.ar2.arm import AR2
 from firmware_bridge.robots.ar2.geometry import Ar2Geometry
 from firmware_bridge.robots.ar2.motion import Ar2Motion, Ar2State
 from firmware_bridge.robots.ar2.rules import tool

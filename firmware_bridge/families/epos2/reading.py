@@ -12,11 +12,12 @@ from firmware_bridge.families.epos2.commissioning.values import decode, unit_of
 from firmware_bridge.families.epos2.commissioning.words import mode_of, words
 from firmware_bridge.families.epos2.dissector import MaxonCommands, MaxonLine
 from firmware_bridge.families.epos2.driver.setup import MODE, configuration
+from firmware_bridge.families.epos2.maxon.packets import MAXON
 from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
 from firmware_bridge.families.epos2.wire import hardware
 from firmware_bridge.families.epos2.wire.differences import ANY_TYPE
 from firmware_bridge.families.epos2.wire.objects_pdo import PDOS
-from firmware_bridge.node import MAXON, SERIAL
+from firmware_bridge.node import SERIAL
 from firmware_bridge.robot import AnyRobot
 
 DICTIONARY: Final = Dictionary(hardware.MAXON, ANY_TYPE, PDOS, called, decode, unit_of, mode_of, words)

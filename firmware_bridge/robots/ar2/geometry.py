@@ -1,4 +1,4 @@
-"""The arm's limits, workspace and control in its robot file; its links are those of `motion.ar2`."""
+"""The arm's limits, workspace and control in its robot file; its links are those of `robots.ar2.arm`."""
 
 from typing import Annotated, Self
 

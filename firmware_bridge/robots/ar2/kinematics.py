@@ -12,11 +12,11 @@ import numpy as np
 
 from firmware_bridge.drivers.driver import Feedback, Position, Reading, SetPoint
 from firmware_bridge.families.ar2.settings import Ar2Axis
-from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.motion.ramp import MARGIN
 from firmware_bridge.motion.resolved_rate import Rates, resolved, slowed
 from firmware_bridge.robot import Robot
+from firmware_bridge.robots.ar2.arm import AR2
 from firmware_bridge.robots.ar2.geometry import Ar2Geometry
 from firmware_bridge.robots.ar2.motion import STILL, Ar2Motion, Ar2State, motion_of
 from firmware_bridge.units import Nanoseconds, to_seconds

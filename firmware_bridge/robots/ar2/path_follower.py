@@ -14,10 +14,10 @@ from typing import Final, NamedTuple, TypeAlias
 
 import numpy as np
 
-from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.motion.chain import Matrix
 from firmware_bridge.motion.resolved_rate import pose_law
 from firmware_bridge.robot import Robot
+from firmware_bridge.robots.ar2.arm import AR2
 from firmware_bridge.robots.ar2.geometry import Ar2Geometry, Courses
 from firmware_bridge.robots.ar2.kinematics import Ar2Kinematics
 from firmware_bridge.robots.ar2.motion import STILL, Ar2Motion, Ar2State, motion_of

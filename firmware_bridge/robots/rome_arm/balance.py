@@ -9,8 +9,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.motion.omni import ANGLES
+from firmware_bridge.robots.ar2.arm import AR2
 from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
 from firmware_bridge.units import STANDARD_GRAVITY
 

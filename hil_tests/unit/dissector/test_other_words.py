@@ -7,8 +7,8 @@ from firmware_bridge.dissector import Carried, Dissector, first_difference
 from firmware_bridge.families.epos2.maxon.frame import Failure, Generation, MaxonAnswer
 from firmware_bridge.families.epos2.maxon.messages import ObjectRead, ReadObject
 from firmware_bridge.families.epos2.maxon.opcodes import encode_answer, row_of
-from firmware_bridge.families.epos2.maxon.packets import command, outcome_packet
-from firmware_bridge.node import CAN, MAXON, OPERATOR, SERIAL
+from firmware_bridge.families.epos2.maxon.packets import MAXON, command, outcome_packet
+from firmware_bridge.node import CAN, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND, SECOND

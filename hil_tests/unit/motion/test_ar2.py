@@ -8,8 +8,8 @@ import pytest
 
 from emulators.arduino_omni.ar2.axes import JOINTS
 from emulators.arduino_omni.ar2.gravity import LINKS, weight
-from firmware_bridge.motion.ar2 import AR2, flips_wrist, postures
 from firmware_bridge.motion.chain import Matrix, nearest_turn, roll_pitch_yaw
+from firmware_bridge.robots.ar2.arm import AR2, flips_wrist, postures
 from hil_tests.rows import every
 
 

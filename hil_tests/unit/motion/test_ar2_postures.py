@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from firmware_bridge.motion.ar2 import AR2, flips_wrist, postures
 from firmware_bridge.motion.chain import Matrix
+from firmware_bridge.robots.ar2.arm import AR2, flips_wrist, postures
 from hil_tests.rows import every
 
 BASE = (100.0, -70.0, 60.0, 40.0, 30.0, 30.0)

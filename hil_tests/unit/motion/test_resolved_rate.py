@@ -6,7 +6,6 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.motion.chain import Matrix
 from firmware_bridge.motion.resolved_rate import (
     ALL,
@@ -17,6 +16,7 @@ from firmware_bridge.motion.resolved_rate import (
     resolved,
     slowed,
 )
+from firmware_bridge.robots.ar2.arm import AR2
 from hil_tests.rows import every
 
 STEP = 0.01

@@ -9,13 +9,16 @@ from typing import Final
 from firmware_bridge.families.epos2.maxon.frame import Failure, Frame, MaxonAnswer, Outcome
 from firmware_bridge.families.epos2.maxon.messages import Request
 from firmware_bridge.families.epos2.maxon.opcodes import COMMANDS, decode_request, encode_request
-from firmware_bridge.node import MAXON
 from firmware_bridge.packet import Packet
 
 FAILED: Final = 0x100
 """Flag in a received packet's address: no answer; the payload is the reason as text."""
 _OPCODE: Final = 0xFF
 _FAILURES: Final = {failure.value.encode(): failure for failure in Failure}
+
+
+MAXON: Final = "maxon"
+"""Link of the bridge before its end of a line: whole commands."""
 
 
 def command(request: Request, link: str = MAXON) -> Packet:
