@@ -32,22 +32,19 @@ FOR_PLANTS: Final = ("fmpy>=0.3.22", "numpy>=1.26", "sympy>=1.12")
 WAY_OF_A_PACKET: Final = (
     "emulators/arduino_omni/*.py",
     "emulators/arduino_omni/*/*.py",
-    "emulators/bench/adapter.py",
     "emulators/bench/controls.py",
     "emulators/bench/operator.py",
     "emulators/bench/orders.py",
     "emulators/bench/stick.py",
     "emulators/canopen/*.py",
-    "emulators/carried_bank.py",
     "emulators/epos2/*.py",
     "emulators/epos2/*/*.py",
     "emulators/motion_capture/*.py",
+    "emulators/physics.py",
     "emulators/rig.py",
     "emulators/servo/bank.py",
     "emulators/servo/motor.py",
     "emulators/servo/scaling.py",
-    "emulators/shield_bank.py",
-    "emulators/stepper_bank.py",
     "emulators/trace.py",
     "emulators/wires/*.py",
     "emulators/world.py",
@@ -75,7 +72,13 @@ WAY_OF_A_PACKET: Final = (
 """Modules that run again and again in a mission; tables, and those that run once, stay as they are."""
 INTERPRETED: Final = frozenset(
     {
+        "emulators/arduino_omni/ar2/family.py",  # it builds what runs, once
+        "emulators/arduino_omni/board_line.py",  # as above
+        "emulators/arduino_omni/family.py",  # as above
+        "emulators/arduino_omni/fmu_load.py",  # as above
+        "emulators/epos2/family.py",  # as above
         "emulators/epos2/objects/device_profile.py",  # its annotations carry sources, read at run time
+        "emulators/motion_capture/family.py",  # it builds what runs, once
         "firmware_bridge/canopen/abort.py",  # an enumeration with a __new__ of its own
         "firmware_bridge/canopen/data_type.py",  # an enumeration with an __init__ of its own
         "firmware_bridge/canopen/object_dictionary.py",  # a mapping, by the rules of Python's
@@ -92,7 +95,7 @@ INTERPRETED: Final = frozenset(
         "firmware_bridge/teleop/station.py",  # its rows are generic dataclasses
     }
 )
-"""Modules that mypyc cannot translate."""
+"""Modules that mypyc cannot translate, or that run once."""
 
 
 class SharedLibrary(Extension):

@@ -168,7 +168,8 @@ def main(simulated_s: float) -> int:
     whole = undisturbed(simulated_s)
     factor = simulated_s / whole
     one = rig()
-    native, why_not = one.devices.servo_bank.native, one.devices.servo_bank.why_not_native
+    (bank,) = (it for it in one.devices.actuated.actuators if isinstance(it, ServoBank))
+    native, why_not = bank.native, bank.why_not_native
     one.finish()
     print(f"{MISSION}, {simulated_s:g} s simulated in {whole:.2f} s: real-time factor {factor:.1f}")
     print(f"  core: {'compiled' if COMPILED else 'interpreted; `make compiled` translates it to C'}")

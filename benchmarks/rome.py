@@ -20,8 +20,10 @@ import numpy as np
 from benchmarks import realtime
 from benchmarks.measure import interleaved, show
 from benchmarks.realtime import COMPILED, SEED, print_rows, rows_of, split
+from emulators.arduino_omni.board import Board
 from emulators.bench import mission
 from emulators.bench.operator import ScriptedOperator
+from emulators.motion_capture.system import MotionCapture
 from emulators.rig import BRIDGE, OPERATOR_STATION, Rig
 from emulators.robots.rome import BENCH_SETUP
 from emulators.run import HAND_STREAM
@@ -47,9 +49,9 @@ def drive(simulated_s: float, *, captured: bool) -> None:
     """Run the mission; RuntimeError where the base stood, or the cameras saw nothing."""
     one = rig(captured=captured)
     one.run(from_seconds(simulated_s))
-    if min(map(abs, one.devices.boards["board"].motors.angles)) < 1.0:
+    if min(map(abs, one.devices.nodes(Board)["board"].motors.angles)) < 1.0:
         raise RuntimeError("the base stood")
-    if any(it.frames < RATE_HZ * (simulated_s - 1.0) for it in one.captures.values()):
+    if any(it.frames < RATE_HZ * (simulated_s - 1.0) for it in one.devices.nodes(MotionCapture).values()):
         raise RuntimeError("the cameras saw nothing")
     one.finish()
 
@@ -101,7 +103,7 @@ def main(simulated_s: float) -> int:
         kept = reported(simulated_s, interpreted(simulated_s), compiled=False) and kept
     watched = rig(captured=True)
     parts = {BRIDGE: "bridge", OPERATOR_STATION: "operator", "board": "board as a node"}
-    parts |= {f"cameras of {name}": "cameras" for name in watched.captures}
+    parts |= dict.fromkeys(watched.devices.nodes(MotionCapture), "cameras")
     whole, watches = split(watched, simulated_s, parts)
     watched.finish()
     rows = rows_of(whole, watches, simulated_s)

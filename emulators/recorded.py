@@ -31,7 +31,7 @@ def recorded_wires(rig: Rig, files: Files) -> Iterator[RecordedWire]:
         yield wire, _frames_noted(files[FRAMES], link)
     for link, line in rig.lines.items():
         yield line.wire, _bytes_noted(files[CHUNKS], link)
-    for link, seen in rig.capture_wires.items():
+    for link, seen in rig.datagram_wires.items():
         yield seen, _bytes_noted(files[SIGHTS], link)
     yield rig.operator_wire, note_datagram
 
@@ -39,7 +39,7 @@ def recorded_wires(rig: Rig, files: Files) -> Iterator[RecordedWire]:
 @contextmanager
 def recorded(rig: Rig, folder: Path) -> Iterator[None]:
     """Write what the wires carry while this is open into a folder; of cameras where some see the robot."""
-    names = [name for name in FILES if name != SIGHTS or rig.capture_wires]
+    names = [name for name in FILES if name != SIGHTS or rig.datagram_wires]
     with ExitStack() as opened:
         files = {name: opened.enter_context((folder / name).open("wb")) for name in names}
         for wire, observer in recorded_wires(rig, files):

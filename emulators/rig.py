@@ -1,31 +1,26 @@
 """One robot put together: operator, bridge, links, drives and plant in the virtual world."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from emulators.bench.adapter import Adapter
 from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.columns import SAMPLE_EVERY, Column, Samples, columns_of, electric
 from emulators.bench.faults import BRIDGE, OPERATOR_STATION, SECOND_BRIDGE, Fault, Faults, Site
 from emulators.bench.mission import Noise
 from emulators.bench.records import InterlockLog
 from emulators.bench.second_station import SecondStation
-from emulators.captured import TRUTH, captured
 from emulators.devices import devices
-from emulators.line import AnyLine, line_of
-from emulators.motion_capture.system import COMMAND
+from emulators.family import Line, LinkWires, family_of
 from emulators.rewind import Checkpoint, Rewind
 from emulators.wires import DatagramWire, FaultyCanWire
+from emulators.wires.adapter import Adapter
 from emulators.world import Wire, World
 from firmware_bridge.bridge import Bridge
-from firmware_bridge.families.epos2.maxon.frame import Generation
-from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Driver, Epos2Link
-from firmware_bridge.families.motion_capture.settings import CaptureLink
 from firmware_bridge.intent import ConfirmPosition
-from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node
+from firmware_bridge.node import CAN, OPERATOR, Node
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.safety.guard import guarded
@@ -40,21 +35,6 @@ DIRECTIONS_STREAM: Final = 2
 QUIET: Final = Noise()
 GOOD: Final = Conditions()
 __all__ = ["BRIDGE", "OPERATOR_STATION", "QUIET", "SECOND_BRIDGE", "Rig"]
-
-
-def _served(robot: AnyRobot) -> Mapping[str, Generation]:
-    """Return which axes have a host on their serial port."""
-    return {
-        axis.name: Epos2Link.of_link(robot, axis.link).protocol
-        for axis in robot.axes
-        if _is_gateway(robot, axis.name)
-    }
-
-
-def _is_gateway(robot: AnyRobot, name: str) -> bool:
-    axis = next(axis for axis in robot.axes if axis.name == name)
-    link = Epos2Link.all_of(robot).get(axis.link)
-    return link is not None and link.driver is Epos2Driver.SERIAL and Epos2Axis.of(axis).node == link.gateway
 
 
 class Rig:
@@ -85,18 +65,18 @@ class Rig:
             robot,
             plant_path,
             outputs=outputs,
-            optional=TRUTH if CaptureLink.all_of(robot) else (),
+            seed=seed,
             realistic_latency=realistic_latency,
-            serial=_served(robot),
+            on_bench=True,
         )
         self._reads: Final = _reads(columns, self.devices.plant.output_names)
         self._start_bridge(confirmed)
-        single = len(Epos2Link.all_of(robot)) == 1
+        families = {name: family_of(robot, name) for name in robot.links}
+        buses = {name: bus for name, one in families.items() if (bus := one.bus(robot, name))}
         self.can_wires: Final = {
-            name: FaultyCanWire(link.bit_rate, CAN if single else name)
-            for name, link in Epos2Link.all_of(robot).items()
+            name: FaultyCanWire(bus.bit_rate, CAN if len(buses) == 1 else name) for name, bus in buses.items()
         }
-        """The drives' buses by the links' names."""
+        """The CAN buses by the links' names."""
         self.operator_wire: Final = DatagramWire(
             round(noise.delay_ms * MILLISECOND),
             round(noise.jitter_ms * MILLISECOND),
@@ -104,12 +84,12 @@ class Rig:
             # A stream of its own: noise on this link shifts no other random number.
             np.random.default_rng([seed, LINK_STREAM]),
         )
-        below = self.devices
-        seen = captured(robot, below.bank, below.plant, seed, data_link=COMMAND, markers=False)
-        self.captures: Final = seen.systems
-        self.capture_wires: Final = {name: DatagramWire(name=name) for name in self.captures}
-        self.world: Final = World(seen.physics)
-        self.lines: Final[dict[str, AnyLine]] = {}
+        self.datagram_wires: Final = {
+            name: DatagramWire(name=name) for name, one in families.items() if one.datagrams
+        }
+        """The datagrams of those links that carry such, by the links' names."""
+        self.world: Final = World(self.devices.physics)
+        self.lines: Final[dict[str, Line]] = {}
         """The serial lines by the links' names."""
         self._attach(operator if link == GOOD else _far(operator, link, seed))
         self._site: Final = self._as_site()
@@ -127,7 +107,7 @@ class Rig:
         return next(iter(self.can_wires.values()))
 
     @property
-    def line(self) -> AnyLine | None:
+    def line(self) -> Line | None:
         """The serial line of a robot that has one."""
         return next(iter(self.lines.values()), None)
 
@@ -182,7 +162,7 @@ class Rig:
             self.world.detach(SECOND_BRIDGE)
         # Its own bridge from the same robot file: both are masters with the same node number.
         second = guarded(Bridge(self.robot, robot_type_of(self.robot)), self.robot)
-        alone = {name: DatagramWire(name=f"second {name}") for name in (*self.capture_wires, OPERATOR)}
+        alone = {name: DatagramWire(name=f"second {name}") for name in (*self.datagram_wires, OPERATOR)}
         self.world.attach(SECOND_BRIDGE, second, {**self.can_wires, **alone})
 
     def _start_bridge(self, confirmed: tuple[ConfirmPosition, ...] = ()) -> None:
@@ -193,29 +173,26 @@ class Rig:
         """Put the bridge behind its serial lines; return what is on the wires for it."""
         node: Node = self.guard
         for link_drivers in self.bridge.all_drivers.all:
-            line = line_of(self.robot, node, link_drivers.link, BRIDGE, self.lines.get(link_drivers.name))
+            name = link_drivers.name
+            make = family_of(self.robot, name).line
+            before = self.lines.get(name)
+            line = None if make is None else make(self.robot, node, link_drivers.link, BRIDGE, before)
             if line is not None:
-                self.lines[link_drivers.name] = line
+                self.lines[name] = line
                 node = line.adapter
         return node
 
     def _attach_bridge(self, node: Node) -> None:
         lines = {name: line.wire for name, line in self.lines.items()}
-        wires: dict[str, Wire] = {**self.can_wires, **lines, **self.capture_wires}
+        wires: dict[str, Wire] = {**self.can_wires, **lines, **self.datagram_wires}
         self.world.attach(BRIDGE, node, {**wires, OPERATOR: self.operator_wire})
 
     def _attach(self, operator: Node) -> None:
-        """Attach all to their wires: the drives, the bridge behind its lines, and the operator."""
+        """Attach all to their wires: the devices, the bridge behind its lines, and the operator."""
         node = self._lines()
-        for axis in self.robot.axes if self.devices.drives else ():
-            links: dict[str, Wire] = {CAN: self.can_wires[axis.link]}
-            if _is_gateway(self.robot, axis.name):
-                links[SERIAL] = self.lines[axis.link].wire
-            self.world.attach(axis.name, self.devices.drives[axis.name], links)
-        for name, board in self.devices.boards.items():
-            self.world.attach(name, board, {SERIAL: self.lines[name].wire})
-        for name, system in self.captures.items():
-            self.world.attach(f"cameras of {name}", system, {COMMAND: self.capture_wires[name]})
+        wires = LinkWires(self.can_wires, self.lines, self.datagram_wires)
+        for name, station in self.devices.stations.items():
+            self.world.attach(name, station.node, wires.of(station))
         self._attach_bridge(node)
         self.world.attach(OPERATOR_STATION, operator, {OPERATOR: self.operator_wire})
 
@@ -226,13 +203,9 @@ class Rig:
             self.world,
             self.can_wires,
             self.operator_wire,
-            drives=self.devices.drives,
-            axes=self.devices.servo_axes,
-            boards=self.devices.boards,
-            plant=self.devices.plant,
+            devices=self.devices,
             bridges=self,
-            captures=self.captures,
-            capture_wires=self.capture_wires,
+            datagram_wires=self.datagram_wires,
             lines={name: line.wire for name, line in self.lines.items()},
         )
 

@@ -2,14 +2,13 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Final, TypeAlias
 
 import numpy as np
 
-from emulators.arduino_omni.board import Board
 from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.columns import Samples, electric
 from emulators.bench.mission import Mission, MissionFileError
@@ -18,9 +17,8 @@ from emulators.bench.page import page
 from emulators.bench.path_error import Followed, path_error
 from emulators.bench.piloted import HandedOver, PilotedMission
 from emulators.bench.radial_error import radial_error
-from emulators.bench.summary import LineRun, RunFigures, Summary, as_json, summarize
+from emulators.bench.summary import RunFigures, Summary, as_json, summarize
 from emulators.extras import installed
-from emulators.line import AnyLine
 from emulators.recorded import recorded
 from emulators.rig import Rig
 from firmware_bridge import renamed
@@ -100,7 +98,7 @@ def drive(order: RunOrder, progress: Progress) -> Summary:
         links_sha256=rig.world.links_sha256,
         guard_refusals=rig.guard.refused,
         cycle=order.robot.cycle,
-        lines=tuple(_carried(rig, order, link, line) for link, line in rig.lines.items()),
+        lines=tuple(line.carried(order.robot, order.duration, rig.devices) for line in rig.lines.values()),
     )
     axes = electric(order.robot)
     faults = rig.faults.records
@@ -168,14 +166,6 @@ def swings(order: RunOrder, samples: Samples) -> float | None:
     if mission.pilot is None or mission.pilot.goal_m is not None:
         return None
     return radial_error(samples, mission.pilot.placed, mission.settled_after_s)
-
-
-def _carried(rig: Rig, order: RunOrder, link: str, line: AnyLine) -> LineRun:
-    """Return what a line has carried, and a board behind it to its shield."""
-    carried, board = line.carried(order.robot, order.duration), rig.devices.boards.get(link)
-    if not isinstance(board, Board):
-        return carried
-    return replace(carried, i2c_percent=round(100.0 * board.mega.bus.busy / order.duration, 3))
 
 
 def followed(order: RunOrder) -> list[Followed]:

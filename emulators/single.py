@@ -17,7 +17,7 @@ from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.mounted import Comparison, Mounted, Torque
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, ServoPlant
-from emulators.servo.fmu_axes import fmu_bank, fmu_plant, set_motor
+from emulators.servo.fmu_axes import axis_needs, fmu_bank, load_plant, set_motor
 from emulators.servo.motor import SUPPLY_MV, DcMotors
 from emulators.servo.winding import set_winding
 from emulators.storage import Commissioned, ParameterFile
@@ -71,7 +71,7 @@ def drives(
     plant: ServoPlant = (
         DcMotors((order.mounted.shaft,) * len(names))
         if order.plant is None
-        else fmu_plant(order.plant, names, order.plant_parameters)
+        else load_plant(order.plant, [axis_needs(names)], order.plant_parameters)
     )
     axes = [ServoAxis(name, QUADRATURE * order.mounted.pulses, supply_mv=order.supply_mv) for name in names]
     for axis in axes:

@@ -11,7 +11,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_bridge.families.ar2.settings import Ar2Link
+from emulators.family import family_of
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import MILLISECOND, Nanoseconds
@@ -101,7 +101,7 @@ def motor_speed(axis: str) -> str:
 
 def electric(robot: AnyRobot) -> list[str]:
     """Return the axes whose motor currents the plant has: no stepper's, which its driver keeps."""
-    return [axis.name for axis in robot.axes if axis.link not in Ar2Link.all_of(robot)]
+    return [axis.name for axis in robot.axes if family_of(robot, axis.link).electric]
 
 
 def columns_of(axes: Sequence[str], own: tuple[Column, ...]) -> tuple[Column, ...]:

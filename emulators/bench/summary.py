@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from emulators.bench.columns import ODOMETRY, POSE, SAMPLE_EVERY, SIDEWAYS, Floats, Samples, current
 from emulators.bench.path_error import PathError
 from emulators.bench.records import FaultRecord, InterlockEvent
+from emulators.family import LineRun
 from firmware_bridge import renamed
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
@@ -19,28 +20,6 @@ _Number = TypeVar("_Number", np.float64, np.complex128)
 NO_PATH: Final = PathError()
 NO_FIGURES: Final[Mapping[str, Callable[[Samples], float | None]]] = MappingProxyType({})
 USUAL_CYCLE: Final[Nanoseconds] = 50 * MILLISECOND
-
-
-@dataclass(frozen=True, slots=True)
-class LineRun:
-    """Traffic of a serial line to the drives."""
-
-    link: str
-    """The link's name in the robot file."""
-    protocol: str
-    baud: int
-    bytes: int
-    """Number of bytes in both directions."""
-    commands: int
-    busy_percent: float
-    """Share of the time in which a command was under way."""
-    cycle_ms: float
-    longest_cycle_ms: float
-    """Longest time from the begin of a cycle to the end of its last command; above `cycle_ms` it was late."""
-    late_cycles: int
-    """Cycles that began before the samples of the one before were in."""
-    i2c_percent: float | None = None
-    """Share of the time in which a board's own bus to its shield was busy; None where no board is."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,13 +4,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from emulators.arduino_omni.ar2.board import Ar2Board
-from emulators.arduino_omni.board import Board
-from emulators.captured import captured
-from emulators.devices import Devices
+from emulators.family import Devices
 from emulators.gateway import Cluster
-from emulators.motion_capture.film import Physics
+from emulators.motion_capture.family import station_of
 from emulators.motion_capture.system import COMMAND, DATA, MotionCapture
+from emulators.world import Physics
 from firmware_bridge.families.motion_capture.settings import CaptureLink
 from firmware_bridge.families.motion_capture.wire.messages import DATA_PORT
 from firmware_bridge.node import SERIAL, Node
@@ -32,7 +30,7 @@ class Cameras:
     """The robot's physics, which the cameras film."""
 
 
-def beside_boards(boards: Mapping[str, Board | Ar2Board], links: Mapping[str, str], cameras: Cameras) -> Node:
+def beside_boards(boards: Mapping[str, Node], links: Mapping[str, str], cameras: Cameras) -> Node:
     """Return boards and the cameras around what they drive, as one node; `links` are the boards' outside."""
     if len(boards) == 1 and not cameras.members:
         return next(iter(boards.values()))
@@ -41,17 +39,16 @@ def beside_boards(boards: Mapping[str, Board | Ar2Board], links: Mapping[str, st
     return Cluster(members, cameras.physics, links={**lines, **cameras.links})
 
 
-def cameras_of(robot: AnyRobot, below: Devices, seed: int = 0) -> Cameras:
-    """Return those that see a robot; RobotFileError. Each listens at its link's `server`."""
-    where = tuple(f"{link.server} ({name})" for name, link in CaptureLink.all_of(robot).items())
-    seen = captured(robot, below.bank, below.plant, seed)
-    cameras = Cameras({}, {}, {}, where, seen.physics)
-    for name, system in seen.systems.items():
-        link = CaptureLink.all_of(robot)[name]
+def cameras_of(robot: AnyRobot, below: Devices) -> Cameras:
+    """Return those that see a robot. Each listens at its link's `server`."""
+    links, systems = CaptureLink.all_of(robot), below.nodes(MotionCapture)
+    where = tuple(f"{link.server} ({name})" for name, link in links.items())
+    cameras = Cameras({}, {}, {}, where, below.physics)
+    for name, link in links.items():
         command, data = f"{name} commands", f"{name} frames"
         host, _, _ = place_of(link.server_number).rpartition(":")
-        cameras.members[f"cameras of {name}"] = system
-        cameras.links[f"cameras of {name}"] = {COMMAND: command, DATA: data}
+        cameras.members[station_of(name)] = systems[station_of(name)]
+        cameras.links[station_of(name)] = {COMMAND: command, DATA: data}
         cameras.openers[command] = partial(UdpPort, f"udpin:{link.server}")
         cameras.openers[data] = partial(UdpPort, f"udpin:{host}:{DATA_PORT}")
     return cameras

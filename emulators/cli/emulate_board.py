@@ -216,8 +216,8 @@ def _plan(given: BoardOptions) -> "list[Planned]":
 
 
 def _load(given: BoardOptions) -> "MotorLoad":
+    from emulators.arduino_omni.fmu_load import fmu_load
     from emulators.arduino_omni.motors import four_motors
-    from emulators.boards import fmu_load
     from fmu.errors import PlantError
 
     if given.plant is None and given.axes is not None:

@@ -254,7 +254,7 @@ def run(given: DrivesOptions) -> None:
 
 def _axes(plant: Path | None, count: int) -> tuple[str, ...]:
     """Return the plant's own axes, where it has one for each node; else none, which are motor1 and so on."""
-    from emulators.boards import axes_of
+    from emulators.arduino_omni.fmu_load import axes_of
 
     own = () if plant is None else axes_of(plant)
     return own if len(own) == count else ()

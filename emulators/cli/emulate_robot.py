@@ -22,7 +22,6 @@ from firmware_bridge.cli.outside import Outside
 from firmware_bridge.cli.recorded import RecordOption, recording
 from firmware_bridge.families.ar2.settings import Ar2Link
 from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
-from firmware_bridge.families.motion_capture.settings import CaptureLink
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.recording import device_side
 from firmware_bridge.runtime.black_box import CAN_LOG, SERIAL_LOG
@@ -101,9 +100,13 @@ class RobotOptions(Outside):
 def run(given: RobotOptions) -> None:
     """Run the command `emulate ROBOT`; an error ends the program with a message."""
     from firmware_bridge.cli.robot_argument import find_robot
+    from firmware_bridge.robot.table import Medium
 
     machine = find_robot(given.robot)
-    if not Epos2Link.all_of(machine):
+    drives = Epos2Link.all_of(machine)
+    if any(link.medium is Medium.SERIAL for name, link in machine.links.items() if name not in drives):
+        if drives:
+            raise refusal(f"{machine.name} has boards and drives: real ports take one of both; use `bench`")
         emulate_board(machine, given)
     else:
         emulate_drives(machine, given)
@@ -111,7 +114,8 @@ def run(given: RobotOptions) -> None:
 
 def emulate_board(machine: "AnyRobot", given: RobotOptions) -> None:
     """Put a robot's boards on serial lines, with its plant at the shield's terminals, or on its pulses."""
-    from emulators.captured import TRUTH
+    from emulators.arduino_omni.ar2.board import Ar2Board
+    from emulators.arduino_omni.board import Board
     from emulators.cli.beginning import report_beginning
     from emulators.cli.cameras import beside_boards, cameras_of
     from emulators.cli.watched import keeping_reported
@@ -129,13 +133,14 @@ def emulate_board(machine: "AnyRobot", given: RobotOptions) -> None:
     with one_message(RobotFileError, PlantError):
         machine = linked(machine, LinkOptions(given.protocol, encoders=given.encoders))
         report_beginning(machine, given.plant)
-        emulated = devices(machine, given.plant, optional=TRUTH if CaptureLink.all_of(machine) else ())
+        emulated = devices(machine, given.plant)
         cameras = cameras_of(machine, emulated)
-    alone = len(emulated.boards) == 1
-    links = {name: SERIAL if alone else name for name in emulated.boards}
-    for name, board in emulated.boards.items():
+    boards = emulated.nodes(Board) | emulated.nodes(Ar2Board)
+    alone = len(boards) == 1
+    links = {name: SERIAL if alone else name for name in boards}
+    for name, board in boards.items():
         keeping_reported(board.mega, name)
-    node = beside_boards(emulated.boards, links, cameras)
+    node = beside_boards(boards, links, cameras)
     files = {link: SERIAL_LOG if alone else f"{name}-{SERIAL_LOG}" for name, link in links.items()}
     kinds = kinds_of(machine)
     called = {link: device_side(name, kinds[name]) for name, link in links.items()}
@@ -189,11 +194,12 @@ def _spoken(machine: "AnyRobot", name: str) -> str:
 def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
     """Put a robot's drives on a bus, a serial line, or both."""
     from emulators.canopen.saved_parameters import StorageError
-    from emulators.captured import TRUTH
     from emulators.cli.beginning import report_beginning
     from emulators.cli.cameras import cameras_of
     from emulators.cli.watched import RollCalled, duplicates_reported
     from emulators.devices import devices
+    from emulators.epos2.drive import Epos2
+    from emulators.epos2.family import Epos2Options
     from emulators.epos2.serial.serial_drive import baud_of
     from emulators.gateway import Cluster
     from emulators.servo.bank import ServoError
@@ -214,17 +220,21 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
         emulated = devices(
             machine,
             given.plant,
-            optional=TRUTH if CaptureLink.all_of(machine) else (),
             realistic_latency=given.realistic_latency,
-            serial={} if given.serial is None else {owner: protocol},
-            storages={axis.name: _storage(axis, given) for axis in machine.axes},
+            options=(
+                Epos2Options(
+                    serial={} if given.serial is None else {owner: protocol},
+                    storages={axis.name: _storage(axis, given) for axis in machine.axes},
+                ),
+            ),
         )
+        drives = emulated.nodes(Epos2)
         cameras = cameras_of(machine, emulated)
     outer = {
         axis.name: {CAN: axis.link if len(Epos2Link.all_of(machine)) > 1 else CAN} for axis in machine.axes
     }
     outer[owner] = {**outer[owner], SERIAL: SERIAL}
-    members: dict[str, Node] = {**emulated.drives, **cameras.members}
+    members: dict[str, Node] = {**drives, **cameras.members}
     cluster = Cluster(members, cameras.physics, links={**outer, **cameras.links})
     for name, at in cuts:
         cluster.silence(name, at)
@@ -234,7 +244,7 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
     called = {SERIAL: device_side(owner, SERIAL)}
     places = [(outer[axis.name][CAN], Epos2Axis.of(axis).node) for axis in machine.axes]
     with recording(given.record, files, called=called) as (around, _):
-        openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
+        openers, where = _outside(machine, baud_of(drives[owner]), given)
         carry(
             RollCalled(around(duplicates_reported(cluster, places)), places),
             {**openers, **cameras.openers},

@@ -10,7 +10,6 @@ from firmware_bridge import robot_types
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import FAILED, one_message, say
 from firmware_bridge.cli.robot_argument import find_robot
-from firmware_bridge.families.ar2.settings import Ar2Link
 from firmware_bridge.robot import RobotFileError
 
 if TYPE_CHECKING:
@@ -101,7 +100,7 @@ def show(
 
 def _model_shown(name: str) -> Shown:
     """Return what a model, or a robot's, has; PlantError, RobotFileError."""
-    from emulators.devices import plant_of
+    from emulators.robot_plant import plant_of
     from fmu.plants import find
 
     robot = robot_types.find(name) if name.partition(robot_types.SIGN)[0] in robot_types.names() else None
@@ -150,7 +149,7 @@ def build_model(
     It holds a binary for this machine, and for Linux and Windows on x86-64 and Linux on ARM where their
     compilers are.
     """
-    from emulators.devices import plant_of
+    from emulators.robot_plant import plant_of
     from fmu.build import place
     from fmu.errors import PlantError
     from fmu.plants import find
@@ -222,19 +221,14 @@ def check(
 
 def _lacking(robot: "AnyRobot", found: "Findings") -> tuple[str, ...]:
     from emulators.bench.bench_setup import bench_setup_of
-    from emulators.devices import SUPPLY
-    from emulators.servo.bank import plant_inputs, plant_outputs
-    from emulators.stepper_bank import ANGLES
-    from emulators.stepper_bank import INPUTS as JOINTS
-    from fmu.interface import units
+    from emulators.devices import needs_of
 
-    # A board's steppers take no voltage: their joints have inputs and outputs of their own.
-    axes = [axis.name for axis in robot.axes if axis.link not in Ar2Link.all_of(robot)]
-    joints, angles = (JOINTS, ANGLES) if Ar2Link.all_of(robot) else ((), ())
-    wanted = [column.plant for column in bench_setup_of(robot).columns if column.plant]
-    supply = (SUPPLY,) if axes else ()
-    outputs = dict.fromkeys((*plant_outputs(axes), *supply, *angles, *wanted))
-    reasons = found.lacking((*plant_inputs(axes), *joints), tuple(outputs), units(axes))
+    needs = needs_of(robot)
+    drawn = [column.plant for column in bench_setup_of(robot).columns if column.plant]
+    outputs = dict.fromkeys((*(name for one in needs for name in one.outputs), *drawn))
+    inputs = tuple(name for one in needs for name in one.inputs)
+    units = {name: unit for one in needs for name, unit in one.units.items()}
+    reasons = found.lacking(inputs, tuple(outputs), units)
     if "co-simulation" not in found.interfaces:
         return (*reasons, "it offers no co-simulation; export it with its solver")
     return reasons

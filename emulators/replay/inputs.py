@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from emulators.family import family_of
 from emulators.replay.ending import end_requested_at
 from emulators.replay.files import files_of, within
 from emulators.replay.order import ReplayOrder
@@ -21,7 +22,6 @@ from emulators.replay.senders import BRIDGE, Sent, chunks_of, frames_of, message
 from emulators.replay.stage import first_of
 from emulators.wires import CanWire
 from firmware_bridge.dissector import kinds_of
-from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import mavlink_origin
@@ -133,8 +133,9 @@ def _begin_of(found: Mapping[str, Recording], robot: AnyRobot) -> Nanoseconds:
 
     A bridge sends to its operator from its begin on; earlier messages of the operator do not matter.
     """
-    buses = {name: CanWire(link.bit_rate).bit_time for name, link in Epos2Link.all_of(robot).items()}
-    begin = min(one.start(buses.get(name, 0)) for name, one in found.items() if name != OPERATOR)
+    buses = {name: bus for name in robot.links if (bus := family_of(robot, name).bus(robot, name))}
+    bit_times = {name: CanWire(bus.bit_rate).bit_time for name, bus in buses.items()}
+    begin = min(one.start(bit_times.get(name, 0)) for name, one in found.items() if name != OPERATOR)
     sent = messages_of(found[OPERATOR], robot) if OPERATOR in found else []
     # The bridge may have spoken to its operator before any device's packet was recorded.
     own = first_of(sent, BRIDGE)

@@ -5,35 +5,22 @@ has the times of arrival, so they are replayed. A real machine's own recording h
 their times.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from emulators.line import AnyLine, EmulatedLine, line_of
+from emulators.family import Lane, family_of
 from emulators.replay.order import ReplayOrder
 from emulators.replay.recordings import duration_of
 from emulators.replay.senders import BRIDGE
 from emulators.replay.stage import RECORDING
-from emulators.wires import CanWire, DatagramWire, PlayedLine, SerialWire
+from emulators.wires import CanWire, DatagramWire
 from emulators.world import Wire
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.dissector import kinds_of
-from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.node import CAN, OPERATOR, Node
-from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.runtime.last_places import RECORDED, LastPlaces
 from firmware_bridge.safety.guard import guarded
-from firmware_bridge.units import Nanoseconds
-
-
-@dataclass(frozen=True, slots=True)
-class Lane:
-    """One link: its kind, its wire, and a packet's duration on it."""
-
-    kind: str
-    """Kind of the link, as in `dissector.KINDS`."""
-    wire: CanWire | SerialWire | DatagramWire
-    duration: Callable[[Packet], Nanoseconds]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,16 +51,19 @@ def machine_of(order: ReplayOrder, *, timed: bool) -> Machine:
     node: Node = guarded(bridge, robot)
     lanes = {name: _untimed(name, kind) for name, kind in kinds_of(robot).items() if kind != CAN}
     for link_drivers in bridge.all_drivers.all:
-        line = line_of(robot, node, link_drivers.link, BRIDGE)
+        name = link_drivers.name
+        make = family_of(robot, name).line
+        line = None if make is None else make(robot, node, link_drivers.link, BRIDGE, None)
         if line is not None:
             node = line.adapter
             if timed:
-                lanes[link_drivers.name] = _as_it_was(lanes[link_drivers.name].kind, line)
-    for name, link in Epos2Link.all_of(robot).items():
-        if name not in lanes:
+                lanes[name] = line.lane(lanes[name].kind, RECORDING)
+    for name in robot.links:
+        bus = family_of(robot, name).bus(robot, name)
+        if bus is not None and name not in lanes:
             # A frame in the folder of a real run has its departure, not its arrival.
             at_bridge = not timed and order.recording.is_dir()
-            lanes[name] = _untimed(name, CAN) if at_bridge else _bus(link.bit_rate)
+            lanes[name] = _untimed(name, CAN) if at_bridge else _bus(bus.bit_rate)
     return Machine(bridge, node, {**lanes, OPERATOR: _untimed(OPERATOR, OPERATOR)})
 
 
@@ -84,11 +74,3 @@ def _untimed(name: str, kind: str) -> Lane:
 def _bus(bit_rate: int) -> Lane:
     bus = CanWire(bit_rate)
     return Lane(CAN, bus, lambda packet: duration_of(packet, bus.bit_time))
-
-
-def _as_it_was(kind: str, line: AnyLine) -> Lane:
-    if isinstance(line, EmulatedLine):
-        played = PlayedLine(line.wire.baud, RECORDING, line.link.name)
-        return Lane(kind, played, played.duration)
-    chunks = line.wire
-    return Lane(kind, chunks, lambda _: chunks.delay)

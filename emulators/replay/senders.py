@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import Final
 
+from emulators.family import family_of
 from emulators.replay.recordings import RecordedPacket, Recording
 from firmware_bridge.dissector.canopen import MASTER, Canopen
-from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
 from firmware_bridge.recording import Direction, mavlink_origin
 from firmware_bridge.robot import AnyRobot
 
@@ -28,10 +28,10 @@ def frames_of(recording: Recording, robot: AnyRobot, link: str) -> list[Sent]:
     The identifiers are CANopen's, those of PDOs as the recorded SDOs set them. Any network master's frames
     count as the bridge's.
     """
-    reader = Canopen()
-    names = {Epos2Axis.of(axis).node: axis.name for axis in robot.axes_on(link)} | {
+    reader, bus = Canopen(), family_of(robot, link).bus(robot, link)
+    names = {axis.settings.number: axis.name for axis in robot.axes_on(link)} | {
         MASTER: BRIDGE,
-        Epos2Link.of_link(robot, link).bridge_node: BRIDGE,
+        **({} if bus is None else {bus.bridge_node: BRIDGE}),
     }
     named = []
     for entry in recording.entries:

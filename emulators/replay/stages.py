@@ -14,6 +14,8 @@ from typing import Final
 
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.devices import devices
+from emulators.epos2.family import Epos2Options
+from emulators.family import family_of
 from emulators.recorded import FRAMES, WORDS
 from emulators.replay.comparison import Frames
 from emulators.replay.earlier_texts import answers_of
@@ -47,7 +49,6 @@ from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.canopen.cia301 import ERROR_CONTROL, LSS_RESPONSE, NmtState, encode_heartbeat
 from firmware_bridge.dissector.canopen import service_name
-from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
@@ -69,14 +70,14 @@ def _drives(order: ReplayOrder) -> ReplayStage:
     firsts = {axis.name: one for axis in robot.axes_on(link) if (one := first_of(frames, axis.name))}
     if not firsts:
         raise RecordingFileError(f"{recording.name}: holds no frame of a drive of {robot.name}")
-    emulated = devices(robot, order.plant)
-    world, bus = World(emulated.bank), CanWire(Epos2Link.of_link(robot, link).bit_rate)
+    emulated = devices(robot, order.plant, options=(Epos2Options(serial={}),))
+    world, bus = World(emulated.physics), CanWire(_bit_rate(order))
     duration = partial(duration_of, bit_time=bus.bit_time)
     for axis in robot.axes_on(link):
         name, first = axis.name, firsts.get(axis.name)
-        boots = first is not None and _boots(first, Epos2Axis.of(axis).node)
+        boots = first is not None and _boots(first, axis.settings.number)
         start = begin_of(first, duration) if first and boots and not recording.virtual else 0
-        call_at(world, start, partial(world.attach, name, emulated.drives[name], {CAN: bus}))
+        call_at(world, start, partial(world.attach, name, emulated.stations[name].node, {CAN: bus}))
         if not boots:
             # It was there before: its boot-up message is not in the recording, and must not come.
             world.silence(name, 0)
@@ -135,11 +136,19 @@ def _can_log(order: ReplayOrder, lead: Nanoseconds) -> Recording:
         raise RecordingFileError(f"{file.name}: the drives take a CAN bus; lines are played into the bridge")
     if order.operator is not None:
         raise RecordingFileError(f"{order.operator.name}: the drives take no operator")
-    if order.link not in Epos2Link.all_of(order.robot):
+    bit_rate = _bit_rate(order)
+    if not bit_rate:
         raise RecordingFileError(f"{file.name}: {order.robot.name} has no drives on a CAN bus")
     recording = read_can(file, order.channel)
-    start = recording.start(CanWire(Epos2Link.of_link(order.robot, order.link).bit_rate).bit_time)
+    start = recording.start(CanWire(bit_rate).bit_time)
     return recording.since(start if recording.virtual else start - lead)
+
+
+def _bit_rate(order: ReplayOrder) -> int:
+    """Return the bit rate of the link's CAN bus, bit/s; 0 without one."""
+    known = order.link in order.robot.links
+    bus = family_of(order.robot, order.link).bus(order.robot, order.link) if known else None
+    return 0 if bus is None else bus.bit_rate
 
 
 def _boots(sent: Sent, node: int) -> bool:

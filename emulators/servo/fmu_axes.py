@@ -1,17 +1,23 @@
 """A plant from an FMU below some axes: which variables they need, and which they take where it has them."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
-from emulators.servo.axis import ServoAxis
+from emulators.servo.axis import TICK, ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
 from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs
 from emulators.servo.sensor_lines import sensor_lines, sensor_outputs
 from emulators.servo.winding import set_winding
+from firmware_bridge.units import Nanoseconds
 from fmu.interface import units
 from fmu.plant import FmuPlant, PlantError
 
+SUPPLY: Final = "battery_voltage"
+"""The plant's output that feeds the devices, V."""
 HELD: Final = "held_"
 """Prefix of an axis: the input by which something rubs at its output, N m, where the plant has it."""
 GRIP_LOST: Final = "grip_lost_"
@@ -20,39 +26,63 @@ LIFTED: Final = "lifted_"
 """Prefix of an axis: the input that is 1 where its load is in the air, where the plant has it."""
 
 
-def fmu_plant(
-    path: Path,
-    axes: Sequence[str],
-    parameters: Mapping[str, float],
-    more: Sequence[str] = (),
-    optional: Sequence[str] = (),
-    *,
-    set_by_plant: Sequence[str] = (),
-    mirrored: Sequence[str] = (),
-) -> FmuPlant:
-    """Load the plant of these axes; PlantError.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlantNeeds:
+    """Variables of a plant that a device uses."""
 
-    `set_by_plant` are inputs needed beside theirs, `more` outputs; `optional` are outputs that are read
-    where it has them. `mirrored` are inputs and outputs of motors that are mounted the other way round.
+    inputs: tuple[str, ...] = ()
+    outputs: tuple[str, ...] = ()
+    """Outputs in the order in which the device reads them."""
+    units: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    """Required units."""
+    optional_inputs: tuple[str, ...] = ()
+    optional_outputs: tuple[str, ...] = ()
+    """Variables that are used where the plant has them."""
+    mirrored: tuple[str, ...] = ()
+    """Inputs and outputs of motors that are mounted the other way round."""
+
+
+def axis_needs(
+    axes: Sequence[str], outputs: Sequence[str] = (), *, mirrored: Sequence[str] = ()
+) -> PlantNeeds:
+    """Return the needs of motors that are driven by voltages, with further outputs.
+
+    The motors that are `mirrored` are mounted the other way round.
     """
-    own = plant_outputs(axes)
-    return FmuPlant(
-        path,
-        (*plant_inputs(axes), *set_by_plant),
+    return PlantNeeds(
+        inputs=plant_inputs(axes),
         # Currents, angles and speeds first, where kernel and reference expect them.
-        (*own, *(name for name in dict.fromkeys(more) if name not in own)),
-        parameters,
+        outputs=(*plant_outputs(axes), *outputs),
         units=units(axes),
         optional_inputs=(
             *pin_inputs(axes),
             *(f"{what}{axis}" for what in (HELD, LIFTED, GRIP_LOST) for axis in axes),
         ),
-        optional_outputs=(
-            *pin_outputs(axes),
-            *sensor_outputs(axes),
-            *(it for it in optional if it not in more),
-        ),
-        mirrored=mirrored,
+        optional_outputs=(*pin_outputs(axes), *sensor_outputs(axes)),
+        mirrored=(*plant_inputs(mirrored), *plant_outputs(mirrored)),
+    )
+
+
+def load_plant(
+    path: Path,
+    needs: Sequence[PlantNeeds],
+    parameters: Mapping[str, float],
+    outputs: Sequence[str] = (),
+    step: Nanoseconds = TICK,
+) -> FmuPlant:
+    """Load the plant of these devices, first the one that steps it; `outputs` are others. PlantError."""
+    read = tuple(dict.fromkeys(chain(*(one.outputs for one in needs), outputs)))
+    optional = chain(*(one.optional_outputs for one in needs))
+    return FmuPlant(
+        path,
+        tuple(chain(*(one.inputs for one in needs))),
+        read,
+        parameters,
+        step,
+        units=dict(chain(*(one.units.items() for one in needs))),
+        optional_inputs=tuple(chain(*(one.optional_inputs for one in needs))),
+        optional_outputs=[name for name in dict.fromkeys(optional) if name not in read],
+        mirrored=tuple(chain(*(one.mirrored for one in needs))),
     )
 
 

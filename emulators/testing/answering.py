@@ -17,7 +17,8 @@ from firmware_bridge.canopen.cia301 import SDO_REQUEST, SDO_RESPONSE
 from firmware_bridge.canopen.objects import DEVICE_TYPE
 from firmware_bridge.canopen.sdo import UploadResponse, decode_response, encode_upload
 from firmware_bridge.cli.node_numbers import numbers
-from firmware_bridge.families.ar2 import wire
+from firmware_bridge.families.ar2 import wire as ar2
+from firmware_bridge.families.ar2.settings import Ar2Firmware
 from firmware_bridge.families.epos2.maxon.frame import Frame, Generation, MaxonAnswer
 from firmware_bridge.families.epos2.maxon.lines import host_end
 from firmware_bridge.families.motor_shield.wire import (
@@ -43,14 +44,12 @@ READ_OBJECT: Final = 0x10
 NO_ERROR: Final = bytes(4)
 ROOM: Final = 4096
 _OSPEED: Final = 5
-ARM: Final = "arm"
-"""Protocol of an arm's board: one set of lines for all generations."""
 QUESTIONS: Final[Mapping[str, tuple[bytes, bytes]]] = {
     "mw": (mw.encode_request(mw_messages.GetServerInfo(), 0), bytes((mw.BOARD_START, mw.ANSWER))),
     "ros-arduino-bridge": (b"b" + ros_arduino_bridge.END, str(ros_arduino_bridge.BAUD).encode()),
     "arduinoio": (arduinoio.encode("9", 9), str(arduinoio.MOTOR_V2).encode()),
     "firmata": (bytes((firmata.VERSION,)), bytes((firmata.VERSION,))),
-    ARM: (b"WTS0" + wire.END, wire.DONE),
+    Ar2Firmware.AR2_2_0: (b"WTS0" + ar2.END, ar2.DONE),
 }
 """Request to each board's firmware, and the begin of its answer."""
 

@@ -5,13 +5,12 @@ from pathlib import Path
 from typing import Final
 
 from emulators.arduino_omni.board import FIRMWARES
-from emulators.testing.answering import ARM, BoardCall, LineCall, RollCall
+from emulators.family import family_of
+from emulators.testing.answering import BoardCall, LineCall, RollCall
 from emulators.testing.buses import Bus
 from emulators.testing.errors import RigError
 from emulators.testing.process import Process
-from firmware_bridge.families.ar2.settings import Ar2Link
 from firmware_bridge.families.epos2.maxon.frame import Generation
-from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.robot_types import find
 
 READY_WITHIN_S: Final = 60.0
@@ -96,16 +95,19 @@ def _command(what: str, protocol: str | None) -> tuple[tuple[str, ...], str]:
         _speaks_one(what, protocol, what)
         return ("board", "--firmware", what), what
     robot = find(what)
+    boards = [
+        protocols(robot, link) for link in robot.links if (protocols := family_of(robot, link).protocols)
+    ]
     # One serial line, one board.
-    if len(ShieldLink.all_of(robot)) + len(Ar2Link.all_of(robot)) != 1:
+    if len(boards) != 1:
         known = ", ".join(FIRMWARES)
         raise RigError(f"{what} has not one board; give a robot that has, or a firmware: {known}")
-    if Ar2Link.all_of(robot):
+    ((own, *others),) = boards
+    if not others:
         _speaks_one(what, protocol, None)
-        return (what,), ARM
-    (link,) = ShieldLink.all_of(robot).values()
-    spoken = protocol or link.protocol.value
-    if spoken not in FIRMWARES:
+        return (what,), own
+    spoken = protocol or own
+    if spoken not in {own, *others}:
         raise RigError(f"{what}: there is no protocol '{spoken}'; there are {', '.join(FIRMWARES)}")
     return (what, "--protocol", spoken), spoken
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Final
 
-from emulators.devices import plant_parameters
+from emulators.robot_plant import plant_parameters
 from emulators.testing.errors import RigError
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds

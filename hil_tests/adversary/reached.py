@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from emulators.arduino_omni.board import Board
 from emulators.bench.columns import SAMPLE_EVERY
 from emulators.bench.faults.board import (
     BoardBrownOut,
@@ -30,7 +31,7 @@ class Reached:
 
     def loads(self, rig: Rig) -> frozenset[str]:
         """Return the axes whose board is in its boot loader: no auto-stop of a sketch runs there."""
-        boards = rig.devices.boards
+        boards = rig.devices.nodes(Board)
         loading = [axes for name, axes in self._axes.items() if boards[name].mega.sketch is None]
         return frozenset().union(*loading)
 
@@ -50,7 +51,7 @@ class Reached:
         silent, stuck = BoardSilent.kind in standing, I2cStuck.kind in standing
         reported = rig.bridge.finished and bool(rig.bridge.not_acknowledged)
         for name, axes in self._axes.items():
-            board, line = rig.devices.boards[name], rig.lines[name]
+            board, line = rig.devices.nodes(Board)[name], rig.lines[name]
             dark = board.mega.sketch is None and board.mega.due == NEVER
             cut = dark or dead or reported or silent or stuck or not line.adapter.plugged
             if cut or rig.bridge.finished:

@@ -133,10 +133,10 @@ class Truth:
         the bridge itself takes the power: neither a fault nor an order.
         """
         row, plant = rig.samples[-1], rig.devices.plant
-        axes = {axis.name: axis for axis in rig.devices.bank.axes}
+        axes = {axis.name: axis for axis in rig.devices.axes}
         turned = dict(zip(plant.output_names, plant.outputs, strict=True))
         powered = frozenset(name for name, axis in axes.items() if axis.powered)
-        drives = rig.devices.drives
+        drives = rig.devices.nodes(Epos2)
         unwatched = {name for name in powered if name in self._watching and not _watch(drives[name])}
         bridge, alive = rig.bridge, rig.world.here(BRIDGE)
         ending = alive and bridge.phase in (Phase.STOPPING, Phase.LEAVING) and not bridge.holding

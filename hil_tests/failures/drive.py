@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final, NamedTuple
 
+from emulators.epos2.drive import Epos2
 from emulators.testing.rig import STEP_S, VirtualRig
 from firmware_bridge.bridge.stops import Progress
 from firmware_bridge.canopen.address import Address
@@ -158,7 +159,7 @@ def _driven(rig: VirtualRig, case: Case) -> Found:
         min((at - began) // MILLISECOND for at in times) if times else None,
         NO_ONE if rest is None else _by(rig, case.cause),
     )
-    codes = {name: codes for name in rig.bench.devices.drives if (codes := _history(rig, name))}
+    codes = {name: codes for name in rig.bench.devices.nodes(Epos2) if (codes := _history(rig, name))}
     return Found(outcome, frozenset(events), codes, _again(rig) / speed if cause.again else 0.0)
 
 
@@ -216,7 +217,7 @@ def _by(rig: VirtualRig, cause: Cause) -> str:
 
 def _history(rig: VirtualRig, drive: str) -> tuple[int, ...]:
     """Return the codes in a drive's error history, newest first."""
-    store = rig.bench.devices.drives[drive].store
+    store = rig.bench.devices.nodes(Epos2)[drive].store
     count = store.get(ERROR_HISTORY_COUNT)
     return tuple(store.get(Address(0x1003, number + 1)) & 0xFFFF for number in range(count))
 

@@ -11,9 +11,9 @@ import pytest
 from fmpy.model_description import read_model_description
 from typer.testing import CliRunner
 
+from emulators.arduino_omni.ar2.plant_joints import ANGLES, INPUTS
 from emulators.bench.bench_setup import bench_setup_of
-from emulators.devices import plant_parameters
-from emulators.stepper_bank import ANGLES, INPUTS
+from emulators.robot_plant import plant_parameters
 from firmware_bridge import robot_types
 from firmware_bridge.cli import program
 from firmware_bridge.families.ar2.settings import Ar2Link

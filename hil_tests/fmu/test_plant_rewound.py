@@ -8,6 +8,7 @@ from zipfile import ZIP_DEFLATED, ZipFile
 import pytest
 
 from emulators.devices import devices
+from emulators.epos2.drive import Epos2
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.node import CAN
@@ -105,8 +106,8 @@ def test_a_plant_that_cannot_save_its_state_runs_but_is_not_rewound(
     incapable: Callable[[int], Path], fmi: int
 ) -> None:
     found = devices(find("rars"), incapable(fmi))
-    world, wire = World(found.bank), CanWire(1_000_000)
-    for name, drive in found.drives.items():
+    world, wire = World(found.physics), CanWire(1_000_000)
+    for name, drive in found.nodes(Epos2).items():
         world.attach(name, drive, {CAN: wire})
     world.run(5_000_000)
     assert found.plant.steps_done == 50

@@ -15,12 +15,14 @@ from typer.testing import CliRunner
 from emulators.bench.mission import Mission, Noise
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.step import Input
-from emulators.devices import SUPPLY, devices
+from emulators.devices import devices
+from emulators.epos2.drive import Epos2
 from emulators.gateway import Cluster
 from emulators.rig import BRIDGE, OPERATOR_STATION, Rig
 from emulators.robots.rars import BENCH_SETUP
 from emulators.robots.rars import RarsStep as Step
 from emulators.servo.bank import plant_outputs
+from emulators.servo.fmu_axes import SUPPLY
 from emulators.wires import CanWire, DatagramWire
 from emulators.world import World
 from firmware_bridge.bridge import Bridge
@@ -274,7 +276,7 @@ def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(new_statio
         DatagramWire(0, 0, 0.0, np.random.default_rng(0)),
     )
     bridge, world = Bridge(robot, ROBOT_TYPE), World()
-    process = Process(Cluster(emulated.drives, emulated.bank))
+    process = Process(Cluster(emulated.nodes(Epos2), emulated.physics))
     world.attach("emulator", process, {CAN: bus})
     world.attach(BRIDGE, bridge, {"drives": bus, OPERATOR: air})
     world.attach(OPERATOR_STATION, operator(robot), {OPERATOR: air})

@@ -6,11 +6,12 @@ from pathlib import Path
 import canopen
 import pytest
 
-from emulators.devices import Devices, devices
+from emulators.devices import devices
+from emulators.epos2.drive import Epos2
+from emulators.family import Devices
 from emulators.replay import Into, ReplayOrder, replay
 from emulators.wires import CanWire
 from emulators.world import World
-from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.node import CAN
 from firmware_bridge.recording import candump_line
 from firmware_bridge.robot_types import find
@@ -34,9 +35,9 @@ def session(emulated: Devices, sheet: Path) -> list[str]:
     `hil_tests/recordings/rars/canopen-master.log.xz` is such a session.
     """
     log: list[str] = []
-    world, wire = World(emulated.bank), CanWire(Epos2Link.of_link(RARS, "drives").bit_rate)
+    world, wire = World(emulated.physics), CanWire(RARS.links["drives"].rate)
     wire.observe(lambda now, _, packet: log.append(candump_line(now, packet, "can0", REAL)))
-    for name, drive in emulated.drives.items():
+    for name, drive in emulated.nodes(Epos2).items():
         world.attach(name, drive, {CAN: wire})
     master = PdoMaster(world, wire, sheet)
     node = master.node

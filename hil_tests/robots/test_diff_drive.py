@@ -10,6 +10,7 @@ from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.mission import Mission, MissionFileError, parse
 from emulators.bench.operator import ScriptedOperator
 from emulators.rig import Rig
+from emulators.servo.axis import ServoAxis
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 
@@ -53,7 +54,7 @@ def speed(rig: Rig) -> float:
 
 
 def lit(rig: Rig) -> bool:
-    return bool(rig.devices.servo_bank.axes[0].outputs & LAMP)
+    return bool(next(iter(rig.devices.motors(ServoAxis).values())).outputs & LAMP)
 
 
 def held(rig: Rig) -> set[str]:

@@ -56,4 +56,4 @@ def test_the_others_are_without_power_soon(liar: str, order: str) -> None:
         rig.runs(0.5)
         ORDERS[order](rig)
         assert runs(rig, 6.0) < 0.5
-        assert not any(axis.powered for axis in rig.bench.devices.bank.axes)
+        assert not any(axis.powered for axis in rig.bench.devices.axes)

@@ -100,7 +100,7 @@ def test_a_drive_that_hangs_loses_its_power_in_time(
         rig.fault("set_points_ignored", node="left")
         runs(rig, 0.05)
         order[1](rig)
-        left = next(axis for axis in rig.bench.devices.bank.axes if axis.name == "left")
+        left = next(axis for axis in rig.bench.devices.axes if axis.name == "left")
         runs(rig, 2.0)
         assert not left.powered
         assert runs(rig, 6.0) < ROLLS_OUT_S
@@ -117,7 +117,7 @@ def test_a_drive_that_receives_nothing_at_standstill_loses_its_power_as_its_rows
         rig.operator.returns_to_neutral()
         runs(rig, 2.0)
         rig.fault("set_points_ignored", node="left")
-        left = next(axis for axis in rig.bench.devices.bank.axes if axis.name == "left")
+        left = next(axis for axis in rig.bench.devices.axes if axis.name == "left")
         ORDERS[order[0]](rig)
         runs(rig, order[1])
         assert not left.powered
@@ -275,5 +275,5 @@ def test_whatever_a_drive_and_its_bus_do_it_stops_in_time(
             runs(rig, seconds)
         ORDERS[order](rig)
         runs(rig, to_seconds(TAKEN_WITHIN) + ROLLS_OUT_S)
-        powered = {axis.name for axis in rig.bench.devices.bank.axes if axis.powered}
+        powered = {axis.name for axis in rig.bench.devices.axes if axis.powered}
         assert speed(rig) < 0.01 or not powered & {"left", "right"}, "what moves has no power"

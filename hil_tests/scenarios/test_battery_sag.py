@@ -2,6 +2,7 @@
 
 import pytest
 
+from emulators.servo.axis import ServoAxis
 from firmware_bridge.families.epos2.settings import Epos2AnalogueInput
 from firmware_bridge.motion.ramp import MARGIN
 from firmware_bridge.robot_types import find
@@ -25,7 +26,7 @@ def test_a_loaded_robot_lowers_the_voltage_that_its_drives_see(payload_kg: float
     bench = ride(ARMED, step(4.0, speed_mps=0.5), seconds=8.0, robot=robot)
     lowest = 1e9
     bench.runs_until(3.9)
-    axes = bench.rig.devices.servo_bank.axes
+    axes = [*bench.rig.devices.motors(ServoAxis).values()]
     standing = axes[0].supply_mv
     assert standing == pytest.approx(1000 * EMPTY_V, abs=60)
     for millisecond in range(900):

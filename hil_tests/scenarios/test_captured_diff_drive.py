@@ -7,6 +7,7 @@ from typing import Any, Final
 import pytest
 
 from emulators.bench.faults import read
+from emulators.motion_capture.system import MotionCapture
 from emulators.rig import Rig
 from emulators.testing.inherited.scripted import scripted
 from firmware_bridge.motion.captured import Bounds, Captured, Located, Sight, Source
@@ -82,7 +83,7 @@ def test_what_the_cameras_are_requested_is_let_out_and_nothing_of_it_is_refused(
     rig.run(12 * SECOND)
     assert rig.guard.refused == 0
     assert rig.bridge.seen.facts.armed
-    assert rig.captures["cameras"].frames > 2_800
+    assert rig.devices.nodes(MotionCapture)["cameras of cameras"].frames > 2_800
 
 
 def test_a_run_put_back_is_seen_the_same_again(rig: Rig) -> None:

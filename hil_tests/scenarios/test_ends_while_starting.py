@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Final
 
 import pytest
 
+from emulators.epos2.drive import Epos2
 from emulators.rewind import Checkpoint
 from emulators.wires import DatagramWire
 from firmware_bridge.bridge import Bridge, Phase
@@ -25,12 +26,12 @@ LEFT_ALONE: Final = SECOND
 
 
 def network(one: Ride) -> set[NmtState]:
-    return {drive.nmt_state for drive in one.rig.devices.drives.values()}
+    return {drive.nmt_state for drive in one.rig.devices.nodes(Epos2).values()}
 
 
 def assert_left(one: Ride, found: set[NmtState], when: str) -> None:
     """No power, and the network state as it was found; a watch that is off is off without power only."""
-    assert not any(axis.powered for axis in one.rig.devices.bank.axes), when
+    assert not any(axis.powered for axis in one.rig.devices.axes), when
     assert network(one) <= {*found, NmtState.OPERATIONAL}, when
 
 
@@ -83,4 +84,6 @@ def test_drives_that_a_dead_bridge_has_left_are_left_operational_and_without_pow
     one.rig.world.run(one.rig.world.now)
     assert network(one) == {NmtState.OPERATIONAL}
     assert ended_at_each(one, "second", second, {NmtState.OPERATIONAL}) > 20
-    assert {drive.store.get(od.CONSUMER_HEARTBEAT_1) for drive in one.rig.devices.drives.values()} == {0}
+    assert {drive.store.get(od.CONSUMER_HEARTBEAT_1) for drive in one.rig.devices.nodes(Epos2).values()} == {
+        0
+    }

@@ -8,6 +8,7 @@ from typing import Final
 import pytest
 
 from emulators.bench.faults import Fault
+from emulators.epos2.drive import Epos2
 from emulators.robots.rars import RarsStep as Step
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.canopen.objects import STATUSWORD
@@ -83,7 +84,7 @@ def _from(x: float, y: float, heading: float, to_x: float, to_y: float) -> tuple
 
 
 def power(ride: Ride, name: str) -> PowerState | None:
-    return state_of(ride.rig.devices.drives[name].store.get(STATUSWORD))
+    return state_of(ride.rig.devices.nodes(Epos2)[name].store.get(STATUSWORD))
 
 
 def texts(ride: Ride) -> str:

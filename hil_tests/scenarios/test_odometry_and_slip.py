@@ -16,6 +16,7 @@ import pytest
 from emulators.bench.columns import SAMPLE_EVERY, Samples
 from emulators.bench.summary import mean_acceleration, odometry_errors
 from emulators.run import HAND_STREAM
+from emulators.servo.axis import ServoAxis
 from emulators.testing.inherited.scripted import mission_of, scripted
 from firmware_bridge.families.epos2.driver.scale import Scale
 from firmware_bridge.families.epos2.settings import Epos2Axis
@@ -51,7 +52,7 @@ def driven(plant: tuple[tuple[str, float], ...] = ()) -> Drive:
     script = mission_of(robot, "interlocks")
     counts = []
     with scripted(robot, script, stream=(0, HAND_STREAM), noise=script.noise) as rig:
-        wheels = rig.devices.servo_bank.axes[:2]
+        wheels = [*rig.devices.motors(ServoAxis).values()][:2]
         while rig.world.now < from_seconds(script.duration_s):
             rig.run(rig.world.now + SAMPLE_EVERY)
             counts.append([wheel.position for wheel in wheels])

@@ -7,8 +7,8 @@ import pytest
 
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.mission import parse
-from emulators.devices import plant_parameters
 from emulators.rig import BRIDGE
+from emulators.robot_plant import plant_parameters
 from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
@@ -24,7 +24,7 @@ on_each_link = pytest.mark.parametrize("link", ROBOTS)
 
 
 def powered(one: Ride) -> bool:
-    return any(axis.powered for axis in one.rig.devices.bank.axes)
+    return any(axis.powered for axis in one.rig.devices.axes)
 
 
 @pytest.mark.long(keeps=["can"])

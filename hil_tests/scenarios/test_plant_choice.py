@@ -2,7 +2,7 @@
 
 import pytest
 
-from emulators.devices import plant_parameters
+from emulators.robot_plant import plant_parameters
 from firmware_bridge.robot import PlantFile, RobotFileError
 from firmware_bridge.robot_types import find
 

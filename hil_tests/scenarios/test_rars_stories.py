@@ -6,6 +6,7 @@ from typing import Final
 import pytest
 
 from emulators.bench.mission import Noise
+from emulators.epos2.drive import Epos2
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.canopen.objects import STATUSWORD
 from firmware_bridge.families.epos2.wire.power_states import state_of
@@ -171,7 +172,7 @@ def test_an_orderly_end_leaves_every_drive_without_power(rides: Ridden) -> None:
     ride.ends()
     ride.runs_until(9.0)
     assert abs(ride.now["speed_mps"]) < 0.002
-    for drive in ride.rig.devices.drives.values():
+    for drive in ride.rig.devices.nodes(Epos2).values():
         state = state_of(drive.store.get(STATUSWORD))
         assert state in (PowerState.SWITCH_ON_DISABLED, PowerState.READY_TO_SWITCH_ON)
 
@@ -179,13 +180,13 @@ def test_an_orderly_end_leaves_every_drive_without_power(rides: Ridden) -> None:
 def test_a_forced_disarm_brakes_within_a_cycle_and_takes_the_power_off_at_rest(rides: Ridden) -> None:
     ride = rides(ARMED, step(4.0, speed_mps=0.5), step(6.0, force_disarm=True), seconds=20)
     ride.runs_until(6.05)
-    for drive in ride.rig.devices.drives.values():
+    for drive in ride.rig.devices.nodes(Epos2).values():
         assert state_of(drive.store.get(STATUSWORD)) is PowerState.QUICK_STOP_ACTIVE, "within one cycle"
     began = ride.now["x_m"]
     ride.runs_until(7.0)
     assert ride.now["x_m"] - began < 0.14
     assert ride.stands_from(6.0, slower_than=0.01) < 6.5
-    for drive in ride.rig.devices.drives.values():
+    for drive in ride.rig.devices.nodes(Epos2).values():
         assert state_of(drive.store.get(STATUSWORD)) is PowerState.SWITCH_ON_DISABLED
     assert not ride.held("axis fault")
     assert ride.hardest() < 1.45

@@ -137,7 +137,7 @@ def test_an_emergency_stop_stops_both_and_the_arm_keeps_what_it_carries() -> Non
     with flown(step(8.0, "emergency_stop = true"), robot=scaled(height_per_du=2.0)) as (rig, _):
         rig.run(from_seconds(12.0))
         assert gone(rig, 10.0, 12.0) == pytest.approx((0.0, 0.0), abs=STILL_M)
-        wheels = {axis.name for axis in rig.devices.bank.axes if axis.powered}
+        wheels = {axis.name for axis in rig.devices.axes if axis.powered}
         assert not wheels
 
 

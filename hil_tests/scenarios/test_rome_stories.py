@@ -24,7 +24,7 @@ def test_each_firmware_drives_the_circle_and_the_guard_has_nothing_to_refuse(pro
         rig.runs(4.0)
         assert rig.bridge.finished
         assert rig.bridge.not_acknowledged == ()
-        assert not any(axis.powered for axis in rig.devices.bank.axes)
+        assert not any(axis.powered for axis in rig.devices.axes)
         assert speed(rig) < STANDSTILL_MPS
 
 

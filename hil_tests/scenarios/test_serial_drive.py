@@ -9,7 +9,8 @@ import pytest
 
 from emulators.bench import mission as missions
 from emulators.canopen.heartbeat import Consumer
-from emulators.line import EmulatedLine
+from emulators.epos2.drive import Epos2
+from emulators.epos2.family import MaxonSerialLine
 from emulators.rig import BRIDGE
 from emulators.robots.rars import BENCH_SETUP
 from emulators.run import RunOrder, drive
@@ -42,15 +43,15 @@ BRAKED_S: Final = 0.45
 """The watch, one heartbeat that had just come, and the quick stop from 0.3 m/s."""
 
 
-def line_of(one: Ride) -> EmulatedLine:
+def line_of(one: Ride) -> MaxonSerialLine:
     line = one.rig.line
-    assert isinstance(line, EmulatedLine)
+    assert isinstance(line, MaxonSerialLine)
     return line
 
 
 def states(one: Ride) -> list[PowerState | None]:
     """Return the drives' own states, whether reported or not."""
-    return [state_of(device.store.get(od.STATUSWORD)) for device in one.rig.devices.drives.values()]
+    return [state_of(device.store.get(od.STATUSWORD)) for device in one.rig.devices.nodes(Epos2).values()]
 
 
 def armed(one: Ride) -> bool:
@@ -126,7 +127,7 @@ def test_rs232_drives_with_the_longer_cycle_that_its_robot_file_states(rides: Ri
     one = rides(ARMED, step(4.0, speed_mps=0.2, ramp_mps2=0.2), seconds=8, robot=slow)
     one.runs(7)
     assert one.now["speed_mps"] == pytest.approx(0.2, abs=0.002)
-    assert line_of(one).carried(slow, one.rig.world.now).late_cycles == 0
+    assert line_of(one).carried(slow, one.rig.world.now, one.rig.devices).late_cycles == 0
     assert one.rig.guard.refused == 0
 
 
@@ -236,7 +237,7 @@ def test_a_drive_that_restarts_behind_the_gateway_is_noticed_and_set_up_again(ri
         robot=USB,
     )
     one.runs_until(CUT_S)
-    steering = one.rig.devices.drives["steer"].store
+    steering = one.rig.devices.nodes(Epos2)["steer"].store
     target = steering.get(od.TARGET_POSITION)
     assert target != 0
     reset = Packet(CAN, cia301.NMT, cia301.encode_nmt(NmtCommand.RESET_NODE, 3))
@@ -280,7 +281,7 @@ def test_the_orderly_end_takes_the_power_off(rides: Ridden) -> None:
     one.runs_until(8.5)
     assert one.rig.bridge.finished
     assert states(one) == [PowerState.SWITCH_ON_DISABLED] * 4
-    stores = [device.store for device in one.rig.devices.drives.values()]
+    stores = [device.store for device in one.rig.devices.nodes(Epos2).values()]
     assert [store.get(od.CONSUMER_HEARTBEAT_1) for store in stores] == [0] * 4
 
 

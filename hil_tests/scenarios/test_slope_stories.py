@@ -5,6 +5,7 @@ from typing import Final
 
 import pytest
 
+from emulators.epos2.drive import Epos2
 from emulators.robots.rars import RarsStep as Step
 from firmware_bridge.bridge import Phase
 from firmware_bridge.canopen import objects as od
@@ -45,11 +46,11 @@ def on_level(*, serial: bool) -> AnyRobot:
 
 def states(one: Ride) -> set[PowerState | None]:
     """Return the drives' own states, whether reported or not."""
-    return {state_of(device.store.get(od.STATUSWORD)) for device in one.rig.devices.drives.values()}
+    return {state_of(device.store.get(od.STATUSWORD)) for device in one.rig.devices.nodes(Epos2).values()}
 
 
 def powered(one: Ride) -> list[bool]:
-    return [bool(axis.powered) for axis in one.rig.devices.bank.axes]
+    return [bool(axis.powered) for axis in one.rig.devices.axes]
 
 
 def went(one: Ride, since_s: float) -> float:
@@ -242,7 +243,9 @@ def test_ctrl_c_on_a_slope_holds_and_a_second_one_within_5_s_lets_go(
     assert bridge.not_acknowledged == ()
     assert one.rig.bridge.phase is Phase.FINISHED
     assert not any(powered(one))
-    assert {device.store.get(od.CONSUMER_HEARTBEAT_1) for device in one.rig.devices.drives.values()} == {0}
+    assert {
+        device.store.get(od.CONSUMER_HEARTBEAT_1) for device in one.rig.devices.nodes(Epos2).values()
+    } == {0}
 
 
 @pytest.mark.long(keeps=["0-False"])

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Final
 
 import pytest
 
+from emulators.epos2.drive import Epos2
 from emulators.robots.rars import RarsStep as Step
 from emulators.wires import DatagramWire
 from firmware_bridge.bridge import Bridge, Phase
@@ -49,7 +50,7 @@ def driven(rides: Ridden, link: str, *steps: Step, command: str | None = None, f
 
 def states(one: Ride) -> list[PowerState | None]:
     """Return the drives' own states, whether reported or not."""
-    return [state_of(device.store.get(od.STATUSWORD)) for device in one.rig.devices.drives.values()]
+    return [state_of(device.store.get(od.STATUSWORD)) for device in one.rig.devices.nodes(Epos2).values()]
 
 
 def reported(one: Ride) -> set[str]:
@@ -61,7 +62,7 @@ def reported(one: Ride) -> set[str]:
 
 
 def unpowered(one: Ride) -> bool:
-    return not any(axis.powered for axis in one.rig.devices.bank.axes)
+    return not any(axis.powered for axis in one.rig.devices.axes)
 
 
 def receives_only(one: Ride, *addresses: int) -> None:
@@ -140,7 +141,7 @@ def test_a_drive_that_receives_only_the_heartbeat_stops_when_it_is_withheld(ride
     one.runs_until(NOT_RECEIVING_S)
     receives_only(one, BEAT)
     one.runs_until(9.0)
-    left = one.rig.devices.drives["left"]
+    left = one.rig.devices.nodes(Epos2)["left"]
     assert state_of(left.store.get(od.STATUSWORD)) is PowerState.FAULT
     assert left.store.get(Address(0x1003, 1)) == 0x8130
     assert f"{LEFT}: power off by SDO not acknowledged" in reported(one)
@@ -183,7 +184,7 @@ def test_an_end_that_a_drive_does_not_confirm_goes_on_to_the_last_step_and_names
     left, right, steer, lift = states(one)
     assert {left, steer, lift} <= {PowerState.SWITCH_ON_DISABLED, PowerState.FAULT}
     assert right is PowerState.FAULT, "its own watch"
-    assert one.rig.devices.drives["right"].store.get(od.CONSUMER_HEARTBEAT_1) != 0
+    assert one.rig.devices.nodes(Epos2)["right"].store.get(od.CONSUMER_HEARTBEAT_1) != 0
 
 
 def second_bridge(one: Ride) -> tuple[Bridge, list[Packet]]:
@@ -270,7 +271,7 @@ def test_a_drive_that_someone_else_has_written_to_stops_and_is_set_up_again(
     one = driven(
         rides, "can", step(6.5, speed_mps=0.0), *(step(8.0 + second, arm=True) for second in range(4))
     )
-    drive = one.rig.devices.drives["left"]
+    drive = one.rig.devices.nodes(Epos2)["left"]
     one.runs_until(NOT_RECEIVING_S)
     watched = drive.store.get(od.CONSUMER_HEARTBEAT_1)
     sender = one.rig.world._stations["steer"]  # noqa: SLF001 - a third party's word

@@ -8,6 +8,7 @@ from typing import Final
 
 import pytest
 
+from emulators.epos2.drive import Epos2
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
 from firmware_bridge.families.epos2.maxon.frame import Generation
@@ -191,10 +192,10 @@ def test_a_drive_that_restarts_before_it_is_armed_has_no_power_without_its_watch
         robot=robot,
         faults=[fault("drive_restart", 3.0, node=node, for_s=for_s)],
     )
-    drives = one.rig.devices.drives
+    drives = one.rig.devices.nodes(Epos2)
     for tenth in range(30, 110):
         one.runs_until(tenth / 10)
-        powered = {axis.name for axis in one.rig.devices.bank.axes if axis.powered}
+        powered = {axis.name for axis in one.rig.devices.axes if axis.powered}
         unwatched = {
             name for name in powered if not int(drives[name].store.get(od.CONSUMER_HEARTBEAT_1)) & 0xFFFF
         }

@@ -10,7 +10,6 @@ import pytest
 
 from emulators.arduino_omni.board import FIRMWARES
 from emulators.testing.answering import (
-    ARM,
     BOOTS,
     QUESTIONS,
     REQUESTED_AGAIN,
@@ -21,6 +20,7 @@ from emulators.testing.answering import (
 from emulators.testing.buses import Bus
 from emulators.testing.emulated import Drives
 from emulators.testing.errors import RigError
+from firmware_bridge.families.ar2.settings import Ar2Firmware
 from firmware_bridge.families.epos2.maxon.frame import Generation
 
 REQUESTED: Final = bytes.fromhex("90 02 10 02 00 10 00 02 DF F2")
@@ -65,7 +65,7 @@ def test_a_board_is_left_alone_in_its_boot_loader_and_then_requested_until_it_ha
         os.write(line.device, b"57600\r\n")
         assert not call.complete(), "more may follow"
         assert call.complete()
-    assert set(QUESTIONS) == {*FIRMWARES, ARM}
+    assert set(QUESTIONS) == {*FIRMWARES, *Ar2Firmware}
 
 
 def test_a_drive_on_a_line_is_requested_again_until_it_answers_without_an_error(line: Line) -> None:

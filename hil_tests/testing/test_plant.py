@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from emulators.devices import plant_parameters
+from emulators.robot_plant import plant_parameters
 from emulators.testing.errors import RigError
 from emulators.testing.plant import VirtualPlant
 from firmware_bridge.robot_types import find

@@ -14,7 +14,7 @@ from emulators.arduino_omni.motors import Motors
 from emulators.bench.faults.fault import Fault, Lasting, Node, Problem, Stations
 from emulators.bench.faults.site import Site
 from firmware_bridge.families.ar2.settings import Ar2Link
-from firmware_bridge.families.motor_shield.settings import ShieldAxis, ShieldLink
+from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near
 from firmware_bridge.units import MILLISECOND, NEVER
@@ -24,6 +24,16 @@ BURST: Final = 8
 """Length of a disturbance, in bytes."""
 PRINTED: Final = b"t=21\r\n"
 """Example of a debug print."""
+
+
+def _shield(site: Site, link: str) -> Board:
+    """Return the board with a motor shield on a link; KeyError where it has none."""
+    return site.devices.nodes(Board)[link]
+
+
+def _board(site: Site, link: str) -> Board | Ar2Board:
+    """Return the board on a link; KeyError where it has none."""
+    return (site.devices.nodes(Board) | site.devices.nodes(Ar2Board))[link]
 
 
 class _OfBoards(Fault, ABC):
@@ -54,7 +64,7 @@ class _OfBoards(Fault, ABC):
 
     def boards(self, site: Site) -> list[Board | Ar2Board]:
         """Return the boards that have it."""
-        return [site.boards[name] for name in self.on(site.robot)]
+        return [_board(site, name) for name in self.on(site.robot)]
 
 
 class _OfShields(_OfBoards, ABC):
@@ -141,7 +151,7 @@ class BoardUnpowered(_OfShields, _Switched):
 
     def _have(self, site: Site, *, on: bool) -> None:
         for name in self.on(site.robot):
-            site.shield(name).unpower(site.world.now, off=on)
+            _shield(site, name).unpower(site.world.now, off=on)
 
 
 class BoardChatters(_OfBoards, Lasting):
@@ -159,7 +169,7 @@ class BoardChatters(_OfBoards, Lasting):
         now = site.world.now
         if now < self.end:
             for name in self.on(site.robot):
-                site.boards[name].mega.print(PRINTED, now)
+                _board(site, name).mega.print(PRINTED, now)
                 # The board has bytes to send now, and no packet would wake it.
                 site.world.rouse(name)
             site.world.call_at(now + self.every_ms * MILLISECOND, self._print, site)
@@ -170,7 +180,7 @@ class _BusStuck(_OfShields, _Switched):
 
     def _have(self, site: Site, *, on: bool) -> None:
         for name in self.on(site.robot):
-            site.shield(name).mega.jam_bus(site.world.now, stuck=on)
+            _shield(site, name).mega.jam_bus(site.world.now, stuck=on)
 
 
 class I2cStuck(_BusStuck):
@@ -189,8 +199,8 @@ class ShieldAbsent(_BusStuck):
         super().put_on(site, chance)
         for name in self.on(site.robot):
             # Up to now the motors have turned by the outputs that the chip had.
-            site.shield(name).advance(site.world.now)
-            site.shield(name).mega.shield.chip.power_on()
+            _shield(site, name).advance(site.world.now)
+            _shield(site, name).mega.shield.chip.power_on()
 
 
 class LineGarbage(_OfBoards, Lasting):
@@ -218,7 +228,7 @@ class _OnMotor(Lasting, ABC):
     def _found(self, site: Site) -> Iterator[tuple[Motors, int]]:
         for axis in site.robot.axes:
             if axis.name in self.targets(site.robot):
-                yield site.shield(axis.link).motors, ShieldAxis.of(axis).port - 1
+                yield _shield(site, axis.link).motors, axis.settings.number - 1
 
 
 class ShaftBlocked(_OnMotor):
@@ -273,7 +283,7 @@ class MotorSupplySag(_OfShields, Lasting):
 
     def _have(self, site: Site, volts: float) -> None:
         for name in self.on(site.robot):
-            site.shield(name).motors.starves(volts)
+            _shield(site, name).motors.starves(volts)
 
 
 class CurrentLimit(_OfShields, _Switched):
@@ -283,7 +293,7 @@ class CurrentLimit(_OfShields, _Switched):
 
     def _have(self, site: Site, *, on: bool) -> None:
         for name in self.on(site.robot):
-            site.shield(name).motors.faults.limits_current = on
+            _shield(site, name).motors.faults.limits_current = on
 
 
 class OverTemperature(_OfShields, _Switched):
@@ -293,7 +303,7 @@ class OverTemperature(_OfShields, _Switched):
 
     def _have(self, site: Site, *, on: bool) -> None:
         for name in self.on(site.robot):
-            site.shield(name).motors.follow_heat(followed=on)
+            _shield(site, name).motors.follow_heat(followed=on)
 
 
 class _WireOff(_OnMotor, ABC):

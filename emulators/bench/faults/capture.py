@@ -10,6 +10,7 @@ from pydantic import Field
 from emulators.bench.faults.fault import Lasting, Positive, Problem, Share, Stations
 from emulators.bench.faults.site import Site
 from emulators.motion_capture.exposure import Hidden, Shaken, Swapped
+from emulators.motion_capture.system import MotionCapture
 from emulators.wires import Impairment
 from firmware_bridge.families.motion_capture.settings import CaptureLink
 from firmware_bridge.robot import AnyRobot
@@ -33,7 +34,7 @@ class BodyHidden(_Seen):
     def put_on(self, site: Site, chance: Generator) -> None:
         """Hide all bodies of all systems."""
         del chance
-        for system in site.captures.values():
+        for system in site.devices.nodes(MotionCapture).values():
             for body in system.exposure.bodies:
                 system.hide(Hidden(body.id, self.begin, self.end))
 
@@ -49,7 +50,7 @@ class MarkersSwapped(_Seen):
         """Let all bodies of all systems be seen elsewhere."""
         del chance
         turn = math.radians(self.turn_deg)
-        for system in site.captures.values():
+        for system in site.devices.nodes(MotionCapture).values():
             for body in system.exposure.bodies:
                 # In the body's own axes: ahead of where it truly is, wherever it looks.
                 aside = (self.aside_m, 0.0, 0.0)
@@ -65,7 +66,7 @@ class BodyShakes(_Seen):
     def put_on(self, site: Site, chance: Generator) -> None:
         """Shake all bodies of all systems."""
         del chance
-        for system in site.captures.values():
+        for system in site.devices.nodes(MotionCapture).values():
             for body in system.exposure.bodies:
                 system.hide(Shaken(body.id, self.begin, self.end, self.noise_mm / 1_000.0))
 
@@ -80,7 +81,7 @@ class CaptureLate(_Seen):
     def put_on(self, site: Site, chance: Generator) -> None:
         """Delay what is sent between the bridge and the systems."""
         late = round(self.by_ms * MILLISECOND)
-        for wire in site.capture_wires.values():
+        for wire in site.datagram_wires.values():
             wire.impair(Impairment(None, self.begin, self.end, self.share, chance, late=late))
 
 
@@ -92,5 +93,5 @@ class CaptureLoss(_Seen):
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Lose what is sent between the bridge and the systems."""
-        for wire in site.capture_wires.values():
+        for wire in site.datagram_wires.values():
             wire.impair(Impairment(None, self.begin, self.end, self.share, chance, lost=True))

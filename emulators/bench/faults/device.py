@@ -7,11 +7,12 @@ from typing import Annotated, ClassVar
 from numpy.random import Generator
 from pydantic import Field
 
+from emulators.arduino_omni.board import Board
 from emulators.bench.faults.fault import Lasting, Node, Positive, Problem, Stations
 from emulators.bench.faults.site import Site
+from emulators.epos2.drive import Epos2
 from emulators.servo.axis import AMBIENT_MC, GATE_MV, LOGIC_MV, ServoAxis
 from emulators.servo.sensors import BROKEN, INDEX_MISSING, INDEX_SPURIOUS, SWAPPED
-from firmware_bridge.families.motor_shield.settings import ShieldAxis
 from firmware_bridge.robot import AnyRobot
 
 MILLI = 1000
@@ -47,12 +48,12 @@ class SetPointsIgnored(Lasting):
         """Make it ignore new commands."""
         del chance
         for name in self.targets(site.robot):
-            site.drives[name].motion.hung = True
+            site.devices.nodes(Epos2)[name].motion.hung = True
 
     def take_off(self, site: Site) -> None:
         """Make it execute commands again."""
         for name in self.targets(site.robot):
-            site.drives[name].motion.hung = False
+            site.devices.nodes(Epos2)[name].motion.hung = False
 
 
 class _OnAxes(Lasting, ABC):
@@ -62,12 +63,12 @@ class _OnAxes(Lasting, ABC):
         """Let it begin at all that it meets."""
         del chance
         for name in self.targets(site.robot):
-            self.begin_at(site.axes[name])
+            self.begin_at(site.devices.motors(ServoAxis)[name])
 
     def take_off(self, site: Site) -> None:
         """Let it end at all that it meets."""
         for name in self.targets(site.robot):
-            self.end_at(site.axes[name])
+            self.end_at(site.devices.motors(ServoAxis)[name])
 
     @abstractmethod
     def begin_at(self, axis: ServoAxis) -> None:
@@ -212,14 +213,14 @@ class EncoderSwapped(Lasting):
 
     def _exchange(self, site: Site, *, swapped: bool) -> None:
         for name in self.targets(site.robot):
-            if name in site.axes:
+            if (servo := site.devices.motors(ServoAxis).get(name)) is not None:
                 # One bit of several: a missing index at the same time stays.
-                wrong = site.axes[name].sensor_faults & ~SWAPPED
-                site.axes[name].sensor_faults = wrong | SWAPPED if swapped else wrong
+                wrong = servo.sensor_faults & ~SWAPPED
+                servo.sensor_faults = wrong | SWAPPED if swapped else wrong
             else:
                 axis = next(axis for axis in site.robot.axes if axis.name == name)
-                wires = site.shield(axis.link).motors.faults.swapped
-                (wires.add if swapped else wires.discard)(ShieldAxis.of(axis).port - 1)
+                wires = site.devices.nodes(Board)[axis.link].motors.faults.swapped
+                (wires.add if swapped else wires.discard)(axis.settings.number - 1)
 
 
 class IndexMissing(_Wires):

@@ -36,9 +36,9 @@ class GripLost(Lasting):
         self._grip(site, 0.0)
 
     def _grip(self, site: Site, lost: float) -> None:
-        plant = site.plant
+        plant = site.devices.plant
         for axis in self.targets(site.robot):
             name = f"{GRIP_LOST}{axis}"
-            if plant is None or name not in plant.input_names:
+            if name not in plant.input_names:
                 raise PlantError(f"the plant has no input {name}: nothing can lose its grip")
             plant.inputs[plant.input_names.index(name)] = lost

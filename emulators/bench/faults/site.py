@@ -5,22 +5,17 @@ It does not know the individual faults.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Protocol
+from typing import Final, Protocol, runtime_checkable
 
-from emulators.arduino_omni.ar2.board import Ar2Board
-from emulators.arduino_omni.board import Board
-from emulators.bench.adapter import Adapter
 from emulators.bench.second_station import SecondStation
-from emulators.epos2.drive import Epos2
-from emulators.motion_capture.system import MotionCapture
-from emulators.servo.axis import ServoAxis
+from emulators.family import Devices
 from emulators.wires import DatagramWire, FaultyCanWire
+from emulators.wires.adapter import Adapter
 from emulators.world import Wire, World, WorldNode
 from firmware_bridge.node import CAN, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds
-from fmu.plant import FmuPlant
 
 BRIDGE: Final = "bridge"
 OPERATOR_STATION: Final = "operator"
@@ -41,6 +36,14 @@ class Bridges(Protocol):
 
     def start_second(self) -> None:
         """Start one beside it, as `SECOND_BRIDGE`."""
+
+
+@runtime_checkable
+class Supplied(Protocol):
+    """A device that loses everything with its supply, its logic's included."""
+
+    def switch_off(self) -> None:
+        """Take the supply away."""
 
 
 class ForeignNode:
@@ -64,36 +67,23 @@ class ForeignNode:
 
 @dataclass(slots=True, eq=False)
 class Site:
-    """One bench: buses by link, drives and servo axes by axis."""
+    """One bench: its devices, and its wires by link."""
 
     robot: AnyRobot
     world: World
     cans: Mapping[str, FaultyCanWire]
     operator: DatagramWire
-    drives: Mapping[str, Epos2]
-    axes: Mapping[str, ServoAxis]
+    devices: Devices
     bridges: Bridges
-    captures: Mapping[str, MotionCapture] = field(default_factory=dict)
-    """The capture systems by link."""
-    capture_wires: Mapping[str, DatagramWire] = field(default_factory=dict)
-    """Their outgoing datagrams, by link."""
+    datagram_wires: Mapping[str, DatagramWire] = field(default_factory=dict)
+    """The datagrams of devices, by link."""
     lines: Mapping[str, Wire] = field(default_factory=dict)
     """The serial lines by link."""
-    boards: Mapping[str, Board | Ar2Board] = field(default_factory=dict)
-    """Arduinos, with a motor shield or an arm, by the link."""
-    plant: FmuPlant | None = None
     stations: list[SecondStation] = field(default_factory=list)
     """All stations that have joined the operator's link, the newest last."""
     _foreign_nodes: dict[str, WorldNode] = field(default_factory=dict)
     """Foreign nodes by the link on whose bus or line they are."""
     _unplugged: dict[str, Mapping[str, Wire]] = field(default_factory=dict)
-
-    def shield(self, link: str) -> Board:
-        """Return the board with a motor shield on a link; TypeError where it has none."""
-        board = self.boards[link]
-        if not isinstance(board, Board):
-            raise TypeError(f"the board on the link '{link}' has no motor shield")
-        return board
 
     def send(self, link: str, address: int, payload: bytes) -> None:
         """Queue a frame of a foreign node on a link's bus; the node is there from the first one on."""
@@ -121,15 +111,21 @@ class Site:
         return 0 if foreign_node is None else self.cans[link].waiting(foreign_node)
 
     def switch_off(self, name: str) -> None:
-        """Take the supply from a drive, logic included: it is off its wires, its motor without power."""
+        """Take the supply from a device, logic included: it is off its wires, its motor without power.
+
+        TypeError for one that cannot lose its supply so.
+        """
+        node = self.devices.stations[name].node
+        if not isinstance(node, Supplied):
+            raise TypeError(f"'{name}' has no supply of its own")
         self._unplugged[name] = self.world.links(name)
         # Off the wires first: a frame that is under way is destroyed with the supply.
         self.world.detach(name)
-        self.drives[name].switch_off()
+        node.switch_off()
 
     def switch_on(self, name: str) -> None:
-        """Give the supply back: the drive starts as after power-on."""
-        self.world.attach(name, self.drives[name], self._unplugged.pop(name))
+        """Give the supply back: the device starts as after power-on."""
+        self.world.attach(name, self.devices.stations[name].node, self._unplugged.pop(name))
 
     def join_station(self, system: int, stick: float, order: str) -> None:
         """Let a second ground station join the operator's link."""

@@ -382,4 +382,4 @@ def test_its_missions_drive_without_a_refusal_and_it_ends_without_power(name: st
         rig.world.stop(BRIDGE)
         rig.runs(ORDERLY_S)
         assert rig.bridge.finished
-        assert not any(axis.powered for axis in rig.devices.bank.axes)
+        assert not any(axis.powered for axis in rig.devices.axes)

@@ -6,9 +6,9 @@ import pytest
 from typer.testing import CliRunner
 
 from emulators.arduino_omni.board import FIRMWARES, MOVES_EVERY, Board
+from emulators.arduino_omni.fmu_load import fmu_load
 from emulators.arduino_omni.mega import motor_library as library
 from emulators.arduino_omni.motors import COUNTS_PER_TURN, MotorLoad, four_motors
-from emulators.boards import fmu_load
 from firmware_bridge.cli import program
 from firmware_bridge.families.motor_shield.wire import mw, mw_messages
 from firmware_bridge.node import DTR_UP, SERIAL

@@ -4,7 +4,9 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from emulators.devices import Devices, devices
+from emulators.devices import devices
+from emulators.epos2.drive import Epos2
+from emulators.family import Devices
 from emulators.world import World
 from firmware_bridge import robot_types
 from firmware_bridge.bridge import Bridge
@@ -57,7 +59,7 @@ def emulated() -> Iterator[tuple[Bench, Devices]]:
     """The same with four emulated drives above the plant."""
     robot = robot_types.find("rars")
     below = devices(robot)
-    bench = Bench(robot, Bridge(robot, ROBOT_TYPE), below.drives, world=World(below.bank))
+    bench = Bench(robot, Bridge(robot, ROBOT_TYPE), below.nodes(Epos2), world=World(below.physics))
     yield bench, below
     assert [refusal.reason for refusal in bench.guard.refusals] == []
     below.plant.close()

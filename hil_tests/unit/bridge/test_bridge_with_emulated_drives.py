@@ -8,7 +8,7 @@ from firmware_bridge.drivers.driver import Power
 from hil_tests.unit.bridge.bench import ACCEPTED, TEMPORARILY_REJECTED
 
 if TYPE_CHECKING:
-    from emulators.devices import Devices
+    from emulators.family import Devices
     from hil_tests.unit.bridge.bench import Bench
 
 

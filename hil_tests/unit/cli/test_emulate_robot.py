@@ -8,8 +8,9 @@ import pytest
 import typer
 
 from emulators.cli.emulate_robot import RobotOptions, run
-from emulators.devices import Devices, devices
+from emulators.devices import devices
 from emulators.epos2.drive import Epos2
+from emulators.family import Devices
 from emulators.storage import ParameterFile
 from firmware_bridge.families.epos2.driver.setup import SetupObject, commissioned
 from firmware_bridge.families.epos2.settings import Epos2Axis
@@ -45,7 +46,7 @@ def emulated(monkeypatch: pytest.MonkeyPatch) -> Drives:
         monkeypatch.setattr("firmware_bridge.cli.real_time.carry", carried)
         given: Any = {"robot": "rars", "interface": "virtual", **options}
         run(RobotOptions(**given))
-        return made[0].drives
+        return made[0].nodes(Epos2)
 
     return emulate
 

@@ -9,6 +9,7 @@ import pytest
 
 from emulators.arduino_omni.board import Board
 from emulators.devices import devices
+from emulators.servo.axis import ServoAxis
 from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.robot_types import find, names
 from firmware_bridge.units import MILLISECOND
@@ -110,8 +111,8 @@ def changed(value: Any, path: tuple[str, ...], new: float) -> Any:
 def built(robot: AnyRobot) -> object:
     """Return what the bench has made of a file: its plant's parameters, encoders, wires and signs."""
     made = devices(robot)
-    made.bank.advance(2 * MILLISECOND)
-    drives = made.servo_axes.values()
+    made.physics.advance(2 * MILLISECOND)
+    drives = made.motors(ServoAxis).values()
     with made.plant as plant:
         numbers = {
             it.name: plant.read(it.name) for it in plant.variables.values() if it.causality == "parameter"
@@ -119,7 +120,7 @@ def built(robot: AnyRobot) -> object:
         record = plant.record
         signs = [record.mirrored_input_count, record.mirrored_output_count]
         axes = [(axis.encoder_resolution, axis.analogue_1_mv) for axis in drives]
-        wires = [board.motors.wiring for board in made.boards.values() if isinstance(board, Board)]
+        wires = [board.motors.wiring for board in made.nodes(Board).values()]
     return numbers, signs, axes, wires
 
 

@@ -1,6 +1,5 @@
-"""Motors at the shields of a robot's boards as its physics, and what the bench may ask of each."""
+"""The motors at the shield of one board as actuators of a robot's physics."""
 
-from collections.abc import Mapping
 from typing import Final
 
 from emulators.arduino_omni.board import Board
@@ -15,7 +14,6 @@ class ShieldMotor:
         self.name: Final = name
         self._board: Final = board
         self._port: Final = PORTS[port - 1]
-        self._now: Nanoseconds = 0
 
     @property
     def powered(self) -> bool:
@@ -24,15 +22,14 @@ class ShieldMotor:
         return bool(output.cw or output.ccw or output.brake)
 
 
-class ShieldBank:
-    """Physics between two events: all boards with their motors."""
+class ShieldMotors:
+    """Physics between two events: a board with its motors."""
 
-    def __init__(self, boards: Mapping[str, Board], motors: tuple[ShieldMotor, ...]) -> None:
+    def __init__(self, board: Board, motors: tuple[ShieldMotor, ...]) -> None:
         self.axes: Final = motors
-        self._boards: Final = tuple(boards.values())
+        self._board: Final = board
 
     def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
         """Advance to `until`; a board requests its own wake when it may have something to send."""
-        for board in self._boards:
-            board.advance(until)
+        self._board.advance(until)
         return until, ()

@@ -9,12 +9,12 @@ from typing import Final
 
 from emulators.arduino_omni.motors import MotorLoad
 from emulators.arduino_omni.shield.motor_shield import PORTS
+from emulators.servo.fmu_axes import SUPPLY
 from emulators.servo.seam import plant_inputs, plant_outputs
 from fmu.errors import PlantError
 from fmu.interface import PLANAR, units
 from fmu.plant import FmuPlant, variables_of
 
-SUPPLY: Final = "battery_voltage"
 CONSTANT: Final = "torque_constant_"
 _VOLTAGE: Final = "voltage_"
 
@@ -44,11 +44,11 @@ def fmu_load(path: Path, axes: Sequence[str] = ()) -> MotorLoad:
         optional_outputs=(SUPPLY,),
     )
     supply = plant.output_names.index(SUPPLY) if SUPPLY in plant.output_names else None
-    return MotorLoad(plant, names, tuple(_constant(plant, name) for name in names), supply)
+    return MotorLoad(plant, names, tuple(torque_constant(plant, name) for name in names), supply)
 
 
-def _constant(plant: FmuPlant, axis: str) -> float:
-    """Return a motor's torque constant: its own, or the only one that the plant has."""
+def torque_constant(plant: FmuPlant, axis: str) -> float:
+    """Return a motor's torque constant, N m/A: its own, or the only one that the plant has; PlantError."""
     known = [name for name in plant.variables if name.startswith(CONSTANT)]
     own = f"{CONSTANT}{axis}"
     if own in known:

@@ -5,8 +5,7 @@ goes on in steps of half a millisecond, and a pulse counts from the step in whic
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Final
 
 from emulators.arduino_omni.ar2.axes import AXES, JOINTS, OVERDRIVE
@@ -24,29 +23,18 @@ CURRENT: Final = "current_on"
 INPUTS: Final = (*FIELDS, CURRENT)
 
 
-def stepper_plant(
-    path: Path, parameters: Mapping[str, float], outputs: Sequence[str], mirrored: Sequence[str] = ()
-) -> FmuPlant:
-    """Load the plant of an arm; PlantError where it lacks its joints, or what is to be looked at.
-
-    `mirrored` are inputs of motors that are mounted the other way round.
-    """
-    more = tuple(dict.fromkeys(name for name in outputs if name not in ANGLES))
-    return FmuPlant(path, INPUTS, (*ANGLES, *more), parameters, step=STEP, mirrored=mirrored)
-
-
 class PlantJoints(Joints):
     """Joints whose places are the plant's; the track is not on it."""
 
-    def __init__(self, plant: FmuPlant, *, carried: bool = False) -> None:
-        """Stand where the plant begins. `carried`: someone else takes the plant on."""
+    def __init__(self, plant: FmuPlant, *, leads: bool = True) -> None:
+        """Stand where the plant begins. `leads`: they step the plant; otherwise another device does."""
         super().__init__()
         self.swings = True
         self._plant: Final = plant
         self._fields: Final = [plant.input_names.index(name) for name in FIELDS]
         self._angles: Final = [plant.output_names.index(name) for name in ANGLES]
         self._current: Final = plant.input_names.index(CURRENT)
-        self._carried: Final = carried
+        self._leads: Final = leads
         self._reached: Nanoseconds = 0
         # The arm's drivers have their current before the board runs, or it would fall at the start.
         plant.inputs[self._current] = 1.0
@@ -54,7 +42,7 @@ class PlantJoints(Joints):
 
     def reach(self, now: Nanoseconds) -> None:
         """Let the arm go on up to `now`, in whole steps."""
-        while not self._carried and self._reached + STEP <= now:
+        while self._leads and self._reached + STEP <= now:
             self._plant.step()
             self._reached += STEP
 
@@ -101,7 +89,7 @@ class StepperMotor:
         return self._board.moves
 
 
-class StepperBank:
+class SteppedJoints:
     """Physics between two events: the board with its arm."""
 
     def __init__(self, board: Ar2Board, joints: PlantJoints, axes: Sequence[str]) -> None:

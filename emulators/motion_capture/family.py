@@ -1,17 +1,16 @@
-"""The capture systems that see a robot: for each of its links to one, its body on the plant's truth."""
+"""Motion capture as a family of emulated devices: for each link to a system, a body on the plant's truth."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
+from emulators.family import BuildOrder, EmulatedFamily, Observed, Station, Way
 from emulators.motion_capture.bodies import TrackedBody
 from emulators.motion_capture.exposure import Cameras, Up
 from emulators.motion_capture.film import FLOOR, SPACE, Film, Physics
-from emulators.motion_capture.system import DATA, DEFAULT, MotionCapture, Timing
+from emulators.motion_capture.system import COMMAND, DATA, MotionCapture, Timing
+from emulators.servo.fmu_axes import PlantNeeds
 from firmware_bridge.families.motion_capture.settings import CaptureBody, CaptureDriver, CaptureLink
-from firmware_bridge.families.motion_capture.wire.layout import Version
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
 from fmu.plant import FmuPlant
 
@@ -23,36 +22,23 @@ NAME: Final = "robot"
 """Name of a body that the robot file knows by its number."""
 
 
-@dataclass(frozen=True, slots=True)
-class Captured:
-    """Capture systems by the links' names, and the physics below them, which they have on film."""
-
-    systems: Mapping[str, MotionCapture]
-    physics: Physics
+def station_of(link: str) -> str:
+    """Return the name of the capture system on a link as a station."""
+    return f"cameras of {link}"
 
 
-def captured(
-    robot: AnyRobot,
-    physics: Physics,
-    plant: FmuPlant,
-    seed: int,
-    *,
-    version: Version = DEFAULT,
-    data_link: str = DATA,
-    markers: bool = True,
-) -> Captured:
+def _observe(order: BuildOrder, plant: FmuPlant, physics: Physics) -> Observed:
     """Return the capture systems that see a robot; RobotFileError where the plant has no place.
 
     The body is where the robot is, its axes those of the robot: the mount in the robot file is not emulated.
-    So it is refused where it is not zero. With `markers` the stream has the bodies' markers, too.
+    So it is refused where it is not zero. On real ports the stream has the bodies' markers, too.
     """
-    for name, link in CaptureLink.all_of(robot).items():
+    robot, links = order.robot, CaptureLink.all_of(order.robot)
+    for name, link in links.items():
         _possible(robot, name, link.driver, plant)
-    if not CaptureLink.all_of(robot):
-        return Captured({}, physics)
-    timing, found = Timing(), dict[str, MotionCapture]()
+    timing, stations = Timing(), dict[str, Station]()
     film = Film(physics, plant, plant.output_names, timing.exposed_at)
-    for number, name in enumerate(CaptureLink.all_of(robot)):
+    for number, name in enumerate(links):
         seen = [
             sensor.settings
             for sensor in robot.sensors
@@ -62,16 +48,16 @@ def captured(
             TrackedBody(body, NAME, film) if isinstance(body, int) else TrackedBody(place, body, film)
             for place, body in enumerate(dict.fromkeys(one.body for one in seen), 1)
         ]
-        found[name] = MotionCapture(
+        system = MotionCapture(
             bodies,
             # A stream for each system: one more camera link changes no other's noise.
-            np.random.default_rng([seed, CAPTURE_STREAM, number]),
-            version=version,
-            cameras=Cameras(up=Up(seen[0].up.value), markers=markers),
+            np.random.default_rng([order.seed, CAPTURE_STREAM, number]),
+            cameras=Cameras(up=Up(seen[0].up.value), markers=not order.on_bench),
             timing=timing,
-            data_link=data_link,
+            data_link=COMMAND if order.on_bench else DATA,
         )
-    return Captured(found, film)
+        stations[station_of(name)] = Station(system, name, {COMMAND: Way.DATAGRAMS})
+    return Observed(stations, film)
 
 
 def _possible(robot: AnyRobot, name: str, driver: CaptureDriver, plant: FmuPlant) -> None:
@@ -88,3 +74,8 @@ def _possible(robot: AnyRobot, name: str, driver: CaptureDriver, plant: FmuPlant
         ):
             problem = "the emulated body sits on the robot's reference point; leave mount out"
             raise RobotFileError(robot.name, Problem(f"sensors[{index}].settings.mount", problem))
+
+
+FAMILY: Final = EmulatedFamily(
+    links=(CaptureLink,), sees=PlantNeeds(optional_outputs=TRUTH), observe=_observe, datagrams=True
+)
