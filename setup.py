@@ -72,7 +72,7 @@ WAY_OF_A_PACKET: Final = (
 """Modules that run again and again in a mission; tables, and those that run once, stay as they are."""
 INTERPRETED: Final = frozenset(
     {
-        "emulators/arduino_omni/ar2/family.py",  # it builds what runs, once
+        "emulators/arduino_omni/ar2_family.py",  # it builds what runs, once
         "emulators/arduino_omni/board_line.py",  # as above
         "emulators/arduino_omni/family.py",  # as above
         "emulators/arduino_omni/fmu_load.py",  # as above

@@ -23,8 +23,8 @@ from benchmarks.drives import BIT_RATE, crowd, only_sync
 from benchmarks.measure import both_clocks, interleaved, processor_seconds, show
 from emulators.canopen.sdo_server import SdoServer
 from emulators.epos2.drive import Epos2
+from emulators.epos2.single import QUADCOUNTS
 from emulators.servo.axis import ServoAxis
-from emulators.single import QUADCOUNTS
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.canopen import cia301, sdo

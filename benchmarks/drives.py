@@ -7,10 +7,10 @@ from functools import partial
 from typing import Final
 
 from emulators.epos2.drive import Epos2
-from emulators.mounted import PULSES
+from emulators.epos2.mounted import PULSES
+from emulators.epos2.single import QUADRATURE
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
-from emulators.single import QUADRATURE
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.canopen import cia301, sdo

@@ -20,6 +20,7 @@ def devices(
     seed: int = 0,
     realistic_latency: bool = False,
     on_bench: bool = False,
+    on_lines: bool = True,
     options: Sequence[object] = (),
 ) -> Devices:
     """Build a robot's devices above its plant; PlantError where the plant cannot be used.
@@ -40,6 +41,7 @@ def devices(
         seed=seed,
         realistic_latency=realistic_latency,
         on_bench=on_bench,
+        on_lines=on_lines,
         options=tuple(options),
     )
     families = families_of(robot)

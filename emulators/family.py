@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 from functools import cache
 from importlib.metadata import entry_points
-from typing import Final, NamedTuple, Protocol, TypeVar, runtime_checkable
+from typing import TYPE_CHECKING, Final, NamedTuple, Protocol, TypeVar, runtime_checkable
 
 from emulators.physics import Actuators, Motor, Physics
 from emulators.servo.fmu_axes import PlantNeeds
@@ -23,6 +23,11 @@ from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
 from firmware_bridge.robot.table import LinkTable
 from firmware_bridge.units import Nanoseconds
 from fmu.plant import FmuPlant
+
+if TYPE_CHECKING:
+    from emulators.bench.faults.kind import FaultKind
+    from emulators.cli.emulate_robot import RobotOptions
+    from firmware_bridge.runtime.ports import Port
 
 GROUP: Final = "firmware_bridge.emulated_families"
 _T = TypeVar("_T")
@@ -38,12 +43,25 @@ class BuildOrder:
     """True if devices take their published times to answer; otherwise they answer at once."""
     on_bench: bool = False
     """True if each link has one wire; on real ports a device may have several of its own."""
+    on_lines: bool = True
+    """False if devices with a bus of their own are on it alone, whatever the robot file has."""
     options: tuple[object, ...] = ()
     """The families' own options, each of a class of its family."""
 
     def option(self, kind: type[_T]) -> _T | None:
         """Return the options of this class; None without any."""
         return next((one for one in self.options if isinstance(one, kind)), None)
+
+
+class Trait(Enum):
+    """What the devices of a family have, as far as faults care."""
+
+    DRIVE = auto()
+    """Each motor has a drive, with a supply and a processor of its own."""
+    MOTOR = auto()
+    """Motors hang on a board."""
+    ENCODER = auto()
+    """An encoder is at each motor."""
 
 
 class Way(Enum):
@@ -218,6 +236,35 @@ def _no_plans(_: BuildOrder) -> Sequence[Plan]:
     return ()
 
 
+class Question(Protocol):
+    """Request over a line that changes nothing, and the answer to it."""
+
+    def begin(self) -> bytes:
+        """Return the bytes that ask, from the beginning."""
+
+    def receive(self, chunk: bytes) -> bytes:
+        """Take bytes; return those to send."""
+
+    @property
+    def answered(self) -> bool:
+        """True once the device has answered without an error."""
+
+
+@dataclass(frozen=True, slots=True)
+class Beside:
+    """Observers beside a robot's other devices on real ports: their nodes, links, and what opens these."""
+
+    members: Mapping[str, Node]
+    links: Mapping[str, Mapping[str, str]]
+    openers: Mapping[str, Callable[[], "Port"]]
+    where: tuple[str, ...]
+    """Their addresses, as text."""
+
+
+def _no_faults() -> "Sequence[FaultKind]":
+    return ()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EmulatedFamily:
     """The devices of one family, emulated."""
@@ -240,6 +287,19 @@ class EmulatedFamily:
     """True if the plant has current and speed of each of its motors' shafts."""
     protocols: Callable[[AnyRobot, str], tuple[str, ...]] | None = None
     """Protocols of which a link's board speaks one, first that of the robot file; None without boards."""
+    traits: frozenset[Trait] = frozenset()
+    faults: "Callable[[], Sequence[FaultKind]]" = _no_faults
+    """Return the kinds of faults that only its devices can have."""
+    alone_faults: Callable[[], Mapping[str, str]] | None = None
+    """Return the faults that `emulate` puts on one device alone, and where; None without any."""
+    on_ports: "Callable[[AnyRobot, RobotOptions], None] | None" = None
+    """Run `emulate ROBOT` for a robot of its devices; None: they only look at those of others."""
+    beside: Callable[[AnyRobot, Devices], Beside] | None = None
+    """Return its observers for real ports; None without any."""
+    presence: Callable[[str, int], Question] | None = None
+    """Ask the device of a number on a line in a protocol, which it has to answer; None where none has one."""
+    questions: Mapping[str, tuple[bytes, bytes]] = field(default_factory=dict)
+    """By the protocol of a line: a request that changes nothing, and the begin of its answer."""
 
 
 @cache

@@ -21,6 +21,9 @@ class Motor(Protocol):
     def powered(self) -> int | bool:
         """True while its power stage is on."""
 
+    def swap_channels(self, *, swapped: bool) -> None:
+        """Exchange the channels of its encoder, or put them back; one without an encoder has none."""
+
 
 class Actuators(Protocol):
     """Motors that go on together: the axes of all drives, those at one board's shield, an arm's joints."""

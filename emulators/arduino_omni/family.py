@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from emulators.arduino_omni.board import FIRMWARES, Board
 from emulators.arduino_omni.board_line import BoardLine, board_line
 from emulators.arduino_omni.fmu_load import torque_constant
 from emulators.arduino_omni.motors import MotorLoad
+from emulators.arduino_omni.presence import QUESTIONS
 from emulators.arduino_omni.shield_motors import ShieldMotor, ShieldMotors
 from emulators.family import (
     BridgeLink,
@@ -18,6 +19,7 @@ from emulators.family import (
     Line,
     Plan,
     Station,
+    Trait,
     Way,
 )
 from emulators.servo.axis import TICK
@@ -29,6 +31,10 @@ from firmware_bridge.node import SERIAL, Node
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
 from firmware_bridge.units import Nanoseconds
 from fmu.plant import FmuPlant
+
+if TYPE_CHECKING:
+    from emulators.bench.faults.kind import FaultKind
+    from emulators.cli.emulate_robot import RobotOptions
 
 
 def _plans(order: BuildOrder) -> tuple[Plan, ...]:
@@ -113,4 +119,32 @@ def _protocols(robot: AnyRobot, link: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys((ShieldLink.of_link(robot, link).protocol.value, *FIRMWARES)))
 
 
-FAMILY: Final = EmulatedFamily(links=(ShieldLink,), plans=_plans, line=_line, protocols=_protocols)
+def _faults() -> "tuple[FaultKind, ...]":
+    from emulators.arduino_omni.fault_rows import BOARD_ROWS  # noqa: PLC0415 - only who injects faults needs them
+
+    return BOARD_ROWS
+
+
+def _alone_faults() -> dict[str, str]:
+    from emulators.arduino_omni.faults import FAULTS  # noqa: PLC0415 - as above
+
+    return {name: ", ".join(row.nodes) for name, row in FAULTS.items()}
+
+
+def _on_ports(robot: AnyRobot, given: "RobotOptions") -> None:
+    from emulators.arduino_omni.commands.robot import emulate_boards  # noqa: PLC0415 - a command's own
+
+    emulate_boards(robot, given)
+
+
+FAMILY: Final = EmulatedFamily(
+    links=(ShieldLink,),
+    plans=_plans,
+    line=_line,
+    protocols=_protocols,
+    traits=frozenset({Trait.MOTOR, Trait.ENCODER}),
+    faults=_faults,
+    alone_faults=_alone_faults,
+    on_ports=_on_ports,
+    questions=QUESTIONS,
+)

@@ -9,20 +9,13 @@ from typing import Final
 
 from emulators.arduino_omni.motors import MotorLoad
 from emulators.arduino_omni.shield.motor_shield import PORTS
-from emulators.servo.fmu_axes import SUPPLY
+from emulators.servo.fmu_axes import SUPPLY, axes_of
 from emulators.servo.seam import plant_inputs, plant_outputs
 from fmu.errors import PlantError
 from fmu.interface import PLANAR, units
-from fmu.plant import FmuPlant, variables_of
+from fmu.plant import FmuPlant
 
 CONSTANT: Final = "torque_constant_"
-_VOLTAGE: Final = "voltage_"
-
-
-def axes_of(path: Path) -> tuple[str, ...]:
-    """Return the axes of an FMU in its own order: those with an input `voltage_AXIS`; PlantError."""
-    inputs = [it.name for it in variables_of(path) if it.causality == "input"]
-    return tuple(name.removeprefix(_VOLTAGE) for name in inputs if name.startswith(_VOLTAGE))
 
 
 def fmu_load(path: Path, axes: Sequence[str] = ()) -> MotorLoad:

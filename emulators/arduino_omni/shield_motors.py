@@ -13,6 +13,7 @@ class ShieldMotor:
     def __init__(self, name: str, board: Board, port: int) -> None:
         self.name: Final = name
         self._board: Final = board
+        self._terminal: Final = port
         self._port: Final = PORTS[port - 1]
 
     @property
@@ -20,6 +21,11 @@ class ShieldMotor:
         """True if its half bridge drives or brakes; an open one is unpowered."""
         output = self._board.mega.shield.output(self._port, self._board.motors.now)
         return bool(output.cw or output.ccw or output.brake)
+
+    def swap_channels(self, *, swapped: bool) -> None:
+        """Exchange the channels of its encoder, or put them back."""
+        wires = self._board.motors.faults.swapped
+        (wires.add if swapped else wires.discard)(self._terminal - 1)
 
 
 class ShieldMotors:

@@ -8,6 +8,9 @@ from firmware_bridge.units import Nanoseconds
 class Application(Protocol):
     """Application of a device, as the node uses it: of a servo, its motion control."""
 
+    hung: bool
+    """True while it goes on with its last command and takes no new one: a fault."""
+
     def nmt_changed(self, operational: bool) -> None:  # noqa: FBT001 - as MotionControl has it
         """Follow the network state."""
 

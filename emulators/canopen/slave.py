@@ -64,6 +64,10 @@ class CanopenSlave:
         )
         self._routes = self._services.routes()
 
+    def hang(self, *, hung: bool) -> None:
+        """Let its application take no command any more, or take them again: a fault."""
+        self._application.hung = hung
+
     @property
     def node_id(self) -> int:
         """The number in use."""

@@ -17,7 +17,7 @@ class ByName(Rows):
 COMMANDS: Final[tuple[Row, ...]] = (
     CliCommand(
         "new",
-        "emulators.cli.new:new",
+        "emulators.epos2.commands.new:new",
         "Write a package for a new robot: robot file, rules, plant, missions; it drives at once.",
     ),
     CliCommand(
@@ -78,22 +78,22 @@ robot; the word `robot` in front of the robot's name may be left out.""",
     ),
     CliCommand(
         "emulate epos2",
-        "emulators.cli.emulate_epos2:emulate",
+        "emulators.epos2.commands.emulate:emulate",
         "Put EPOS2 drives on a real CAN bus, a serial line, or both.",
     ),
     CliCommand(
         "emulate board",
-        "emulators.cli.emulate_board:emulate",
+        "emulators.arduino_omni.commands.board:emulate",
         "Put an Arduino Mega 2560 with an Adafruit Motor Shield V2 on a serial line.",
     ),
     CliCommand(
         "emulate ar2",
-        "emulators.cli.emulate_ar2:emulate",
+        "emulators.arduino_omni.commands.ar2:emulate",
         "Put the board of an AR2 arm on a serial line, in real time, with the arm on its drivers.",
     ),
     CliCommand(
         "emulate capture",
-        "emulators.cli.emulate_capture:emulate",
+        "emulators.motion_capture.commands.capture:emulate",
         "Stream the frames of an OptiTrack system as NatNet over UDP unicast, in real time.",
     ),
     Group(
@@ -119,22 +119,22 @@ robot; the word `robot` in front of the robot's name may be left out.""",
     ),
     CliCommand(
         "epos2 objects",
-        "emulators.cli.documents:objects",
+        "emulators.epos2.commands.documents:objects",
         "List every object: type, access, PDO, range, default, and provenance.",
     ),
     CliCommand(
         "epos2 eds",
-        "emulators.cli.documents:eds",
+        "emulators.epos2.commands.documents:eds",
         "Write the electronic data sheet, for any CANopen master's tools.",
     ),
     CliCommand(
         "epos2 dcf",
-        "emulators.cli.documents:dcf",
+        "emulators.epos2.commands.documents:dcf",
         "Read every object of a running drive, emulated or real, and write its device configuration file.",
     ),
     CliCommand(
         "epos2 fidelity",
-        "emulators.cli.documents:fidelity",
+        "emulators.epos2.commands.documents:fidelity",
         "List proven, documented, analogous and assumed parts of the emulation, with their sources.",
     ),
 )

@@ -24,7 +24,8 @@ In a mission: `[[fault]]` with `kind`, `at_s`, `for_s` and the keys; in a test:
 `rig.fault("encoder_cable_off", node="one", for_s=2.0)`; keys in brackets may be left out."""
 COMMON: Final = frozenset({"at_s", "title", "until_s", "for_s"})
 """Keys of every fault."""
-BOARD: Final = "board"
+ONE: Final = "a drive"
+"""Place of a fault that takes the keys of a mission."""
 HEADINGS: Final = ("fault", "where", "keys", "what happens")
 
 
@@ -50,23 +51,24 @@ def run(given: FaultsOptions) -> None:
     """Run the command `faults`."""
     from rich.table import Table
 
-    from emulators.bench.faults import KINDS
+    from emulators.bench.faults import kinds
     from firmware_bridge.cli.tables import terminal
 
-    robot = None if given.robot is None or given.robot in DEVICES else find_robot(given.robot)
+    alone = _alone()
+    robot = None if given.robot is None or given.robot in alone else find_robot(given.robot)
     if robot is not None:
         places = _of(robot)
     elif given.robot is not None:
-        places = DEVICES[given.robot]()
+        places = dict(alone[given.robot]())
     else:
-        places = {kind.name: _who(kind) for kind in KINDS.values()}
+        places = {kind.name: _who(kind) for kind in kinds().values()}
     table = Table(title="faults" if given.robot is None else f"faults of {given.robot}")
     for heading in HEADINGS:
         table.add_column(heading, overflow="fold")
     for name, where in places.items():
         # `emulate board` takes no key but the motor.
-        keys = ["node"][: bool(where)] if given.robot == BOARD else _keys(KINDS[name])
-        table.add_row(name, where, ", ".join(keys), KINDS[name].happens)
+        keys = ["node"][: bool(where)] if given.robot in alone and where != ONE else _keys(kinds()[name])
+        table.add_row(name, where, ", ".join(keys), kinds()[name].happens)
     terminal().print(table)
 
 
@@ -80,26 +82,16 @@ def _of(robot: "AnyRobot") -> dict[str, str]:
     return {name: ", ".join(filter(None, places)) for name, places in found.items()}
 
 
-def _of_a_board() -> dict[str, str]:
-    """Return the faults of `emulate board`, and the motors of which they need one."""
-    from emulators.arduino_omni.faults import FAULTS
-
-    return {name: ", ".join(row.nodes) for name, row in FAULTS.items()}
+ALIASES: Final[Mapping[str, str]] = MappingProxyType({"board": "motor_shield", "capture": "motion_capture"})
+"""Other words for a family, as `emulate` has them."""
 
 
-def _of_a_drive() -> dict[str, str]:
-    """Return the faults of one EPOS2 on a bus."""
-    from emulators.bench.faults import KINDS
-    from emulators.bench.faults.fault import Stations
+def _alone() -> "dict[str, Callable[[], Mapping[str, str]]]":
+    """Return the families of which one device alone can have faults, and what lists these."""
+    from emulators.family import families
 
-    no_one = (Stations.MOTORS, Stations.NONE)
-    drives = {name: kind for name, kind in KINDS.items() if kind.fault.among not in no_one}
-    return {name: "a drive" for name, kind in drives.items() if "node" in kind.fault.model_fields}
-
-
-DEVICES: Final[Mapping[str, Callable[[], dict[str, str]]]] = MappingProxyType(
-    {BOARD: _of_a_board, "epos2": _of_a_drive}
-)
+    own = {name: one.alone_faults for name, one in families().items() if one.alone_faults is not None}
+    return own | {word: own[name] for word, name in ALIASES.items() if name in own}
 
 
 def _who(kind: "FaultKind") -> str:

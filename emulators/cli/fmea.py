@@ -13,7 +13,6 @@ import typer
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
 from firmware_bridge.cli.options import EncodersOption, FirmwareOption, RobotArgument
-from firmware_bridge.families.epos2.maxon.frame import Generation
 
 if TYPE_CHECKING:
     from emulators.fmea.matrix import Cell
@@ -57,8 +56,13 @@ class FmeaOptions:
         os.cpu_count() or 1
     )
     serial: Annotated[
-        Generation | None,
-        typer.Option("--serial", help="Over the first drive's serial port.", show_default="by the file"),
+        str | None,
+        typer.Option(
+            "--serial",
+            metavar="v1|v2",
+            help="Over the first drive's serial port.",
+            show_default="by the file",
+        ),
     ] = None
     protocol: FirmwareOption = None
     encoders: EncodersOption = None
@@ -70,7 +74,7 @@ LINES: Final = 20
 
 def run(given: FmeaOptions) -> None:
     """Run the command `fmea`; an error ends the program with a message."""
-    from emulators.bench.faults import KINDS
+    from emulators.bench.faults import kinds
     from emulators.cli.beginning import report_beginning
     from emulators.fmea.matrix import all_failures, matrix, state_names
     from emulators.fmea.report import as_csv, as_page, wrongs
@@ -89,7 +93,7 @@ def run(given: FmeaOptions) -> None:
     ):
         machine = made()
         report_beginning(machine, None)
-        failures = all_failures(machine, _known("fault", given.faults or [], list(KINDS)))
+        failures = all_failures(machine, _known("fault", given.faults or [], list(kinds())))
         states = state_names(machine)
         chosen = _known("state", given.states or [], states) or states
         if not failures:
@@ -110,7 +114,7 @@ def run(given: FmeaOptions) -> None:
         raise refusal("\n".join(wrong[:LINES]) + more, FAILED)
 
 
-def _machine(robot: str, serial: Generation | None, protocol: str | None, encoders: int | None) -> "AnyRobot":
+def _machine(robot: str, serial: str | None, protocol: str | None, encoders: int | None) -> "AnyRobot":
     from emulators.cli.fitted import linked
     from firmware_bridge.cli.robot_argument import find_robot
 

@@ -5,10 +5,7 @@ from typing import Annotated
 
 import typer
 
-from emulators.epos2.objects.catalogue import PROFILES
-from emulators.epos2.objects.device_profile import DeviceProfile
-from firmware_bridge.cli.console import refusal, say
-from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.cli.console import say
 
 PlantOption = Annotated[
     Path | None,
@@ -20,14 +17,14 @@ PlantOption = Annotated[
     ),
 ]
 SerialOption = Annotated[
-    Generation | None,
+    str | None,
     typer.Option(
         "--serial",
+        metavar="v1|v2",
         help="Drive over the first drive's serial port instead of CAN, v1 as on RS232 or v2 as on USB.",
         show_default="by the robot file",
     ),
 ]
-ProfileOption = Annotated[str, typer.Option("--profile", "-p", help=f"Which type: {', '.join(PROFILES)}.")]
 ParametersOption = Annotated[
     Path | None,
     typer.Option(
@@ -61,11 +58,3 @@ def plant_file(plant: str) -> Path:
 def parameter_file(folder: Path, node: int) -> Path:
     """Return the file in which a node's drive keeps its parameters."""
     return folder / f"node-{node}.json"
-
-
-def find_profile(name: str) -> DeviceProfile:
-    """Return the type of this name; an unknown one ends the program with a message."""
-    found = PROFILES.get(name)
-    if found is None:
-        raise refusal(f"--profile {name}: there is no such type; there are: {', '.join(PROFILES)}")
-    return found

@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from typing import Final
 
-from emulators.arduino_omni.mega.mega import KEPT, Mega
 from firmware_bridge.canopen.cia301 import EMERGENCY, ERROR_CONTROL, SDO_REQUEST, SDO_RESPONSE
 from firmware_bridge.canopen.objects import DEVICE_TYPE
 from firmware_bridge.canopen.sdo import encode_upload
@@ -11,24 +10,10 @@ from firmware_bridge.cli.console import say
 from firmware_bridge.node import Node, Stoppable
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.recording import Direction, Recorded
-from firmware_bridge.units import Nanoseconds, to_seconds
+from firmware_bridge.units import Nanoseconds
 
 OWN: Final = {SDO_RESPONSE: "answers", ERROR_CONTROL: "heartbeats", EMERGENCY: "emergencies"}
 """Services that only the node itself sends."""
-
-
-def keeping_reported(mega: Mega, name: str = "the board") -> None:
-    """Let a board say once that bytes keep it in its boot loader."""
-    before = mega.kept
-
-    def report() -> None:
-        mega.kept = before
-        say(
-            f"{name} is kept in its boot loader, as a real one, by bytes that came within a second of its "
-            f"reset: the sketch starts {to_seconds(KEPT):g} s after the last of them; send nothing before it"
-        )
-
-    mega.kept = report
 
 
 def duplicates_reported(node: Node, places: Iterable[tuple[str, int]]) -> Node:

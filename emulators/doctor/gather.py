@@ -28,7 +28,6 @@ from emulators.doctor.facts import (
 from emulators.servo import kernel
 from emulators.servo.seam import ServoError
 from firmware_bridge import robot_types
-from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.runtime.clock import Clock, resolution
 from firmware_bridge.units import MILLISECOND, Nanoseconds
@@ -99,9 +98,9 @@ def _unwatched() -> Iterator[tuple[str, bool]]:
     """Yield the links of installed robots without a watchdog, and whether that is accepted."""
     for name in robot_types.robots():
         with suppress(RobotFileError):
-            for link, table in ShieldLink.all_of(robot_types.find(name)).items():
+            for link, table in robot_types.find(name).links.items():
                 if table.unwatched:
-                    yield f"{name}:{link}", table.accept_no_watchdog
+                    yield f"{name}:{link}", table.accepts_unwatched
 
 
 def _socketcan() -> bool:

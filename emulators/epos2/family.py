@@ -1,15 +1,14 @@
 """The EPOS2 as a family of emulated devices: drives above a plant, their CAN bus and their serial line."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
-from types import MappingProxyType
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from emulators.canopen.saved_parameters import Storage
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import DeviceProfile, numbered, realistic
+from emulators.epos2.options import Epos2Options
+from emulators.epos2.presence import DeviceTypeRead
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.family import (
     BridgeLink,
@@ -24,6 +23,7 @@ from emulators.family import (
     Plan,
     Station,
     TimedLink,
+    Trait,
     Way,
 )
 from emulators.servo.axis import TICK, ServoAxis
@@ -40,18 +40,8 @@ from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 from fmu.plant import FmuPlant
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Epos2Options:
-    """Options of emulated drives that the robot file does not have."""
-
-    serial: Mapping[str, Generation | None] | None = None
-    """Axes with a host on their drive's serial port, and its protocol, None as the host's.
-
-    Without it those of the robot file.
-    """
-    storages: Mapping[str, Storage] = field(default_factory=lambda: MappingProxyType({}))
-    """Saved parameters by axis; a drive without comes from the factory, and forgets."""
+if TYPE_CHECKING:
+    from emulators.cli.emulate_robot import RobotOptions
 
 
 def _plans(order: BuildOrder) -> tuple[Plan, ...]:
@@ -68,7 +58,9 @@ def _built(order: BuildOrder, plant: FmuPlant, _leads: bool) -> Built:  # noqa: 
     for servo in servos:
         set_motor(plant, servo)
     bank = fmu_bank(plant, servos, plant.output_names.index(SUPPLY), _supply_input(robot), _turned(robot))
-    serial = _served(robot) if options.serial is None else options.serial
+    serial = options.serial
+    if serial is None:
+        serial = _served(robot) if order.on_lines else {}
     stations: dict[str, Station] = {}
     for axis, servo in zip(axes, servos, strict=True):
         name, node = axis.name, Epos2Axis.of(axis).node
@@ -190,9 +182,30 @@ def _bus(robot: AnyRobot, link: str) -> CanBus:
     return CanBus(table.bit_rate, table.bridge_node)
 
 
+def _on_ports(robot: AnyRobot, given: "RobotOptions") -> None:
+    from emulators.epos2.commands.robot import emulate_drives  # noqa: PLC0415 - a command's own
+
+    emulate_drives(robot, given)
+
+
+def _alone_faults() -> dict[str, str]:
+    from emulators.bench.faults.fault import Stations  # noqa: PLC0415 - only who injects faults needs them
+    from emulators.bench.faults.table import kinds  # noqa: PLC0415 - as above
+
+    return {
+        name: "a drive"
+        for name, kind in kinds().items()
+        if kind.fault.among not in {Stations.MOTORS, Stations.NONE} and "node" in kind.fault.model_fields
+    }
+
+
 FAMILY: Final = EmulatedFamily(
     links=(Epos2Link,),
     plans=_plans,
     bus=_bus,
     line=_line,
+    traits=frozenset({Trait.DRIVE, Trait.ENCODER}),
+    alone_faults=_alone_faults,
+    on_ports=_on_ports,
+    presence=DeviceTypeRead,
 )

@@ -1,18 +1,24 @@
 """Motion capture as a family of emulated devices: for each link to a system, a body on the plant's truth."""
 
-from typing import Final
+from functools import partial
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from emulators.family import BuildOrder, EmulatedFamily, Observed, Station, Way
+from emulators.family import Beside, BuildOrder, Devices, EmulatedFamily, Observed, Station, Way
 from emulators.motion_capture.bodies import TrackedBody
 from emulators.motion_capture.exposure import Cameras, Up
 from emulators.motion_capture.film import FLOOR, SPACE, Film, Physics
 from emulators.motion_capture.system import COMMAND, DATA, MotionCapture, Timing
 from emulators.servo.fmu_axes import PlantNeeds
 from firmware_bridge.families.motion_capture.settings import CaptureBody, CaptureDriver, CaptureLink
+from firmware_bridge.families.motion_capture.wire.messages import DATA_PORT
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
+from firmware_bridge.wire.internet import place_of
 from fmu.plant import FmuPlant
+
+if TYPE_CHECKING:
+    from emulators.bench.faults.kind import FaultKind
 
 CAPTURE_STREAM: Final = 3
 """Stream of random numbers for the capture systems, beside the run's seed."""
@@ -76,6 +82,34 @@ def _possible(robot: AnyRobot, name: str, driver: CaptureDriver, plant: FmuPlant
             raise RobotFileError(robot.name, Problem(f"sensors[{index}].settings.mount", problem))
 
 
+def _beside(robot: AnyRobot, below: Devices) -> Beside:
+    """Return the systems that see a robot, for real ports; each listens at its link's `server`."""
+    from firmware_bridge.runtime.ports import UdpPort  # noqa: PLC0415 - the bench has no ports
+
+    systems, links, openers = below.nodes(MotionCapture), {}, {}
+    for name, link in CaptureLink.all_of(robot).items():
+        command, data = f"{name} commands", f"{name} frames"
+        host, _, _ = place_of(link.server_number).rpartition(":")
+        links[station_of(name)] = {COMMAND: command, DATA: data}
+        openers[command] = partial(UdpPort, f"udpin:{link.server}")
+        openers[data] = partial(UdpPort, f"udpin:{host}:{DATA_PORT}")
+    where = tuple(f"{link.server} ({name})" for name, link in CaptureLink.all_of(robot).items())
+    return Beside({name: systems[name] for name in links}, links, openers, where)
+
+
+def _faults() -> "tuple[FaultKind, ...]":
+    from emulators.motion_capture.fault_rows import (  # noqa: PLC0415 - only who injects faults needs them
+        CAPTURE_ROWS,
+    )
+
+    return CAPTURE_ROWS
+
+
 FAMILY: Final = EmulatedFamily(
-    links=(CaptureLink,), sees=PlantNeeds(optional_outputs=TRUTH), observe=_observe, datagrams=True
+    links=(CaptureLink,),
+    sees=PlantNeeds(optional_outputs=TRUTH),
+    observe=_observe,
+    datagrams=True,
+    faults=_faults,
+    beside=_beside,
 )

@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Final
 
+from emulators.family import families
 from emulators.replay.comparison import EXACT, Comparison, Frames
 from emulators.replay.earlier_texts import answers_of
 from emulators.replay.inputs import Inputs, inputs_of
@@ -33,8 +34,6 @@ from emulators.wires import CanWire, Observer
 from emulators.world import World
 from firmware_bridge.dissector import kinds_of
 from firmware_bridge.dissector.canopen import service_name
-from firmware_bridge.families.ar2.settings import Ar2Firmware
-from firmware_bridge.families.motor_shield.settings import ShieldProtocol
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
@@ -43,8 +42,6 @@ UNHEARD: Final[Nanoseconds] = 60 * SECOND
 """Time after which a silent bridge is given up."""
 LATE: Final[Nanoseconds] = 10 * MILLISECOND
 """Greatest delay of a machine that is no busier than it should be."""
-BOARDS: Final = frozenset((*ShieldProtocol, *Ar2Firmware))
-"""The kinds of links to boards."""
 LOOK_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
 """Virtual time between two checks for its first packet."""
 
@@ -123,12 +120,14 @@ def _switched_on(order: ReplayOrder, inputs: Inputs) -> tuple[Nanoseconds, Nanos
     A bridge without input is run until it sends its first packet on a link that is in the recording. To a
     board that may be an answer to the board's own message after power-on.
     """
+    # A board speaks for itself after a reset; drives and cameras do not.
+    boards = {kind for family in families().values() for kind in family.questions}
     world, machine = World(), machine_of(order, timed=False)
     spoken: dict[str, Nanoseconds] = {}
     requested = [
         name
         for name, lane in machine.lanes.items()
-        if name in inputs.links and lane.kind not in BOARDS and first_of(inputs.on(name), BRIDGE) is not None
+        if name in inputs.links and lane.kind not in boards and first_of(inputs.on(name), BRIDGE) is not None
     ]
     if not requested:
         raise RecordingFileError(

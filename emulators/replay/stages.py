@@ -14,7 +14,6 @@ from typing import Final
 
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.devices import devices
-from emulators.epos2.family import Epos2Options
 from emulators.family import family_of
 from emulators.recorded import FRAMES, WORDS
 from emulators.replay.comparison import Frames
@@ -70,7 +69,7 @@ def _drives(order: ReplayOrder) -> ReplayStage:
     firsts = {axis.name: one for axis in robot.axes_on(link) if (one := first_of(frames, axis.name))}
     if not firsts:
         raise RecordingFileError(f"{recording.name}: holds no frame of a drive of {robot.name}")
-    emulated = devices(robot, order.plant, options=(Epos2Options(serial={}),))
+    emulated = devices(robot, order.plant, on_lines=False)
     world, bus = World(emulated.physics), CanWire(_bit_rate(order))
     duration = partial(duration_of, bit_time=bus.bit_time)
     for axis in robot.axes_on(link):

@@ -58,6 +58,8 @@ HALL_ANGLE_APART: Final = 1 << 24
 ENCODER_AGAINST_MOTOR: Final = 1 << 25
 AUXILIARY_AGAINST_MAIN: Final = 1 << 26
 
+SWAPPED: Final = 1 << 1
+"""In an axis's `sensor_faults`: the encoder's channels A and B are exchanged."""
 JUST_OPENED: Final = 2
 """Value of `turning` until an open winding has got its voltage for a tick."""
 LEAST_LEARNING: Final = 838_861
@@ -207,6 +209,12 @@ class ServoAxis(ServoRecord, ctypes.Structure):
         self.gear_numerator = self.gear_denominator = 1
         self.analogue_input = self.analogue_numerator = self.analogue_offset = 0
         self.analogue_denominator = 1
+
+    def swap_channels(self, *, swapped: bool) -> None:
+        """Exchange the channels of its encoder, or put them back."""
+        # One bit of several: a missing index at the same time stays.
+        others = self.sensor_faults & ~SWAPPED
+        self.sensor_faults = others | SWAPPED if swapped else others
 
     def clear_demand(self) -> None:
         """Let the demands follow the shaft, with empty integrators: where a regulator starts from."""

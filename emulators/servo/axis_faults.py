@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
-from emulators.servo.axis import ServoAxis
+from emulators.servo.axis import SWAPPED, ServoAxis
 from emulators.servo.sensors import (
     AUXILIARY_SWAPPED,
     BROKEN,
@@ -18,7 +18,6 @@ from emulators.servo.sensors import (
     INDEX_MISSING,
     INDEX_SPURIOUS,
     PER_MILLE,
-    SWAPPED,
 )
 
 HALL_SENSORS: Final = (1, 2, 3)

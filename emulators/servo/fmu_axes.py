@@ -14,7 +14,7 @@ from emulators.servo.sensor_lines import sensor_lines, sensor_outputs
 from emulators.servo.winding import set_winding
 from firmware_bridge.units import Nanoseconds
 from fmu.interface import units
-from fmu.plant import FmuPlant, PlantError
+from fmu.plant import FmuPlant, PlantError, variables_of
 
 SUPPLY: Final = "battery_voltage"
 """The plant's output that feeds the devices, V."""
@@ -40,6 +40,15 @@ class PlantNeeds:
     """Variables that are used where the plant has them."""
     mirrored: tuple[str, ...] = ()
     """Inputs and outputs of motors that are mounted the other way round."""
+
+
+_VOLTAGE: Final = "voltage_"
+
+
+def axes_of(path: Path) -> tuple[str, ...]:
+    """Return the axes of an FMU in its own order: those with an input `voltage_AXIS`; PlantError."""
+    inputs = [it.name for it in variables_of(path) if it.causality == "input"]
+    return tuple(name.removeprefix(_VOLTAGE) for name in inputs if name.startswith(_VOLTAGE))
 
 
 def axis_needs(

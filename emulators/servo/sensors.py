@@ -17,6 +17,7 @@ from emulators.servo.axis import (
     INDEX_DISTANCE_WRONG,
     INDEX_LOST,
     POSITION,
+    SWAPPED,
     VELOCITY,
     ServoAxis,
 )
@@ -24,8 +25,6 @@ from emulators.servo.axis import (
 # What can be wrong with a wire.
 BROKEN: Final = 1 << 0
 """The encoder's cable: no count, no pulse, and no level on its lines."""
-SWAPPED: Final = 1 << 1
-"""The encoder's channels A and B."""
 INDEX_MISSING: Final = 1 << 2
 INDEX_SPURIOUS: Final = 1 << 3
 """A second pulse, an eighth of a turn after the first."""

@@ -5,15 +5,8 @@ Whole numbers only, as in `emulators.servo.loops`. It does not know a pin's func
 
 from typing import Final
 
-from emulators.servo.axis import AVERAGE_PLACES, CURRENT_REACHED, ServoAxis
-from emulators.servo.sensors import (
-    BROKEN,
-    INDEX_MISSING,
-    INDEX_SPURIOUS,
-    SPURIOUS_PART,
-    SWAPPED,
-    passed,
-)
+from emulators.servo.axis import AVERAGE_PLACES, CURRENT_REACHED, SWAPPED, ServoAxis
+from emulators.servo.sensors import BROKEN, INDEX_MISSING, INDEX_SPURIOUS, SPURIOUS_PART, passed
 
 WRAP: Final = 1 << 32
 HALF: Final = 1 << 31

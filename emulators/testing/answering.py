@@ -7,27 +7,17 @@ not there.
 import os
 import select
 import termios
-from collections.abc import Mapping
+from collections.abc import Callable
 from typing import Final, Self
 
 import serial
 
+from emulators.family import Question, families
 from emulators.testing.buses import Bus
 from firmware_bridge.canopen.cia301 import SDO_REQUEST, SDO_RESPONSE
 from firmware_bridge.canopen.objects import DEVICE_TYPE
 from firmware_bridge.canopen.sdo import UploadResponse, decode_response, encode_upload
 from firmware_bridge.cli.node_numbers import numbers
-from firmware_bridge.families.ar2 import wire as ar2
-from firmware_bridge.families.ar2.settings import Ar2Firmware
-from firmware_bridge.families.epos2.maxon.frame import Frame, Generation, MaxonAnswer
-from firmware_bridge.families.epos2.maxon.lines import host_end
-from firmware_bridge.families.motor_shield.wire import (
-    arduinoio,
-    firmata,
-    mw,
-    mw_messages,
-    ros_arduino_bridge,
-)
 from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.runtime.ports import open_can
 from firmware_bridge.units import from_seconds
@@ -40,18 +30,13 @@ BOOTS: Final = 30
 """Number of looks, 1.5 s: a byte within the boot loader's 1.1 s keeps it for 9 s."""
 BOOTS_AGAIN: Final = 220
 """Number of looks, 11 s: those 9 s, and the start after them."""
-READ_OBJECT: Final = 0x10
-NO_ERROR: Final = bytes(4)
 ROOM: Final = 4096
 _OSPEED: Final = 5
-QUESTIONS: Final[Mapping[str, tuple[bytes, bytes]]] = {
-    "mw": (mw.encode_request(mw_messages.GetServerInfo(), 0), bytes((mw.BOARD_START, mw.ANSWER))),
-    "ros-arduino-bridge": (b"b" + ros_arduino_bridge.END, str(ros_arduino_bridge.BAUD).encode()),
-    "arduinoio": (arduinoio.encode("9", 9), str(arduinoio.MOTOR_V2).encode()),
-    "firmata": (bytes((firmata.VERSION,)), bytes((firmata.VERSION,))),
-    Ar2Firmware.AR2_2_0: (b"WTS0" + ar2.END, ar2.DONE),
-}
-"""Request to each board's firmware, and the begin of its answer."""
+
+
+def questions() -> dict[str, tuple[bytes, bytes]]:
+    """Return the request to each board's firmware, by its protocol, and the begin of its answer."""
+    return {name: one for family in families().values() for name, one in family.questions.items()}
 
 
 class RollCall:
@@ -124,35 +109,25 @@ def _rate(port: str) -> int:
 
 
 class LineCall(_Line):
-    """Request to the drive on a serial line, and to those behind it, one after the other."""
+    """Request to the device on a serial line, and to those behind it, one after the other."""
 
-    def __init__(self, port: str, nodes: str, spoken: Generation) -> None:
+    def __init__(self, port: str, nodes: str, ask: Callable[[int], Question]) -> None:
         """Begin; OSError where there is no such line."""
         super().__init__(port)
-        self._missing: Final = list(numbers(nodes))
-        self._spoken: Final = spoken
-        self._host = host_end(spoken, 0)
+        self._missing: Final = [ask(node) for node in numbers(nodes)]
         self._looks = 0
 
     def complete(self) -> bool:
         """Look once; return whether all have answered."""
+        question = self._missing[0]
         if self._looks % REQUESTED_AGAIN == 0:
-            self._ask()
+            self._line.write(question.begin())
         self._looks += 1
-        outcome = self._host.receive(self._line.read(ROOM), 0)
-        self._line.write(self._host.taken())
-        # The first four bytes are the error code; 0 is success.
-        if isinstance(outcome, MaxonAnswer) and outcome.body[:4] == NO_ERROR:
+        self._line.write(question.receive(self._line.read(ROOM)))
+        if question.answered:
             self._missing.pop(0)
             self._looks = 0
         return not self._missing
-
-    def _ask(self) -> None:
-        # A new protocol end: an answer that was cut off must not spoil the next one.
-        self._host = host_end(self._spoken, 0)
-        index = DEVICE_TYPE.index.to_bytes(2, "little")
-        self._host.ask(Frame(READ_OBJECT, index + bytes((DEVICE_TYPE.subindex, self._missing[0]))), 0)
-        self._line.write(self._host.taken())
 
 
 class BoardCall(_Line):
@@ -161,7 +136,7 @@ class BoardCall(_Line):
     def __init__(self, port: str, spoken: str) -> None:
         """Begin; OSError where there is no such line."""
         super().__init__(port)
-        self._question, self._answer = QUESTIONS[spoken]
+        self._question, self._answer = questions()[spoken]
         self._received = b""
         self._looks = -BOOTS
 

@@ -1,16 +1,15 @@
 """Devices in real time, as a test starts them: drives on a serial line or a bus, a board on a line."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Final
 
-from emulators.arduino_omni.board import FIRMWARES
-from emulators.family import family_of
+from emulators.family import families, family_of
 from emulators.testing.answering import BoardCall, LineCall, RollCall
 from emulators.testing.buses import Bus
 from emulators.testing.errors import RigError
 from emulators.testing.process import Process
-from firmware_bridge.families.epos2.maxon.frame import Generation
 from firmware_bridge.robot_types import find
 
 READY_WITHIN_S: Final = 60.0
@@ -49,7 +48,8 @@ class Drives:
         program = self._started(nodes, "--serial", "pty", "--serial-link", str(port), *more)
         # The line does not exist before that.
         program.prints(GREETING, READY_WITHIN_S)
-        with LineCall(str(port), nodes, Generation.V2 if "v2" in more else Generation.V1) as call:
+        presence = next(one.presence for one in families().values() if one.presence is not None)
+        with LineCall(str(port), nodes, partial(presence, "v2" if "v2" in more else "v1")) as call:
             program.waits(call.complete, f"all of {nodes} answering", READY_WITHIN_S)
         return str(port)
 
@@ -89,9 +89,15 @@ def board(start: Start, folder: Path, what: str, more: Sequence[str], protocol: 
     return str(port)
 
 
+def _firmwares() -> list[str]:
+    """Return the protocols of boards of which more than one may be on a link: they have a command alone."""
+    own = (family.questions for family in families().values() if len(family.questions) > 1)
+    return [name for questions in own for name in questions]
+
+
 def _command(what: str, protocol: str | None) -> tuple[tuple[str, ...], str]:
     """Return the words that emulate this, and what is spoken to it."""
-    if what in FIRMWARES:
+    if what in _firmwares():
         _speaks_one(what, protocol, what)
         return ("board", "--firmware", what), what
     robot = find(what)
@@ -100,7 +106,7 @@ def _command(what: str, protocol: str | None) -> tuple[tuple[str, ...], str]:
     ]
     # One serial line, one board.
     if len(boards) != 1:
-        known = ", ".join(FIRMWARES)
+        known = ", ".join(_firmwares())
         raise RigError(f"{what} has not one board; give a robot that has, or a firmware: {known}")
     ((own, *others),) = boards
     if not others:
@@ -108,7 +114,7 @@ def _command(what: str, protocol: str | None) -> tuple[tuple[str, ...], str]:
         return (what,), own
     spoken = protocol or own
     if spoken not in {own, *others}:
-        raise RigError(f"{what}: there is no protocol '{spoken}'; there are {', '.join(FIRMWARES)}")
+        raise RigError(f"{what}: there is no protocol '{spoken}'; there are {', '.join(_firmwares())}")
     return (what, "--protocol", spoken), spoken
 
 

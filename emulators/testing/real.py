@@ -10,7 +10,6 @@ from emulators.testing.emulated import READY_WITHIN_S, Start
 from emulators.testing.errors import RigError
 from emulators.testing.process import Process
 from firmware_bridge.cli.node_numbers import numbers
-from firmware_bridge.families.epos2.maxon.frame import Generation
 
 LINE: Final = "v1:/dev/ttyUSB0"
 """Example of a line's name."""
@@ -31,7 +30,7 @@ class RealDrives:
         self._moved: Final = moved
         self._taken: Final[list[tuple[str, ...]]] = []
         spoken, _, self._device = (line or LINE).partition(":")
-        if not self._device or spoken not in {one.value for one in Generation}:
+        if not self._device or spoken not in {"v1", "v2"}:
             raise RigError(f"--serial-line {line}: give PROTOCOL:DEVICE, as {LINE} or v2:/dev/ttyUSB0")
         self._line: Final = None if line is None else ("--serial", self._device, "--protocol", spoken)
 

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.columns import Samples
-from emulators.bench.faults import KINDS, FaultError, read
+from emulators.bench.faults import FaultError, kinds, read
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.records import FaultRecord, InterlockEvent
@@ -165,9 +165,11 @@ class VirtualRig:
             fault = read(table, self.robot)
             self.bench.faults.plan([fault])
         except ValidationError as error:
-            if kind not in KINDS:
+            if kind not in kinds():
                 raise RigError(error.errors()[0]["msg"]) from error
-            stated = "; ".join(f"{key}: {problem}" for key, problem in problems_of(error, KINDS[kind].fault))
+            stated = "; ".join(
+                f"{key}: {problem}" for key, problem in problems_of(error, kinds()[kind].fault)
+            )
             raise RigError(f"{self.robot.name} cannot have the fault '{kind}': {stated}") from error
         except FaultError as error:
             message = "; ".join(f"{key.partition('.')[2] or key}: {what}" for key, what in error.problems)

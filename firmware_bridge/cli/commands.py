@@ -5,11 +5,11 @@ So `--help` lists everything that is installed and imports none of it.
 
 import importlib
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import wraps
 from inspect import cleandoc
-from typing import Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import typer
 from typer.core import TyperCommand
@@ -17,6 +17,10 @@ from typer.core import TyperCommand
 from firmware_bridge.cli.console import refusal, say
 from firmware_bridge.cli.usage import PlainCommand, PlainGroup
 
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+DISTRIBUTION: Final = "firmware-bridge"
 COMMAND_GROUP: Final = "firmware_bridge.commands"
 """Entry points of this group are tuples of rows."""
 MARKUP: Final = "markdown"
@@ -134,7 +138,9 @@ class Rows(PlainGroup):
     tree: "Tree | None" = None
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return the command of this name."""
+        """Return the command of this name: of this distribution, or else of any that is installed."""
+        if cmd_name not in self.commands and self.tree is not None:
+            self.tree.add_own()
         if cmd_name not in self.commands:
             self.complete()
         return super().get_command(ctx, cmd_name)
@@ -155,16 +161,27 @@ class Tree:
 
     def __init__(self, root: Rows, own: Iterable[Row]) -> None:
         self._groups = {"": root}
+        self._own = False
         self._complete = False
         root.tree = self
         self._put(own)
 
+    def add_own(self) -> None:
+        """Add the rows of this distribution's entry points, once: a single file names them."""
+        if not self._own:
+            self._own = True
+            self._add(own())
+
     def complete(self) -> None:
-        """Add the rows of the installed packages, once."""
+        """Add the rows of the other installed packages, once."""
+        self.add_own()
         if not self._complete:
             self._complete = True
-            # Groups first: a package may add a command to another one's group.
-            self._put(sorted(installed(), key=lambda row: isinstance(row, CliCommand)))
+            self._add(installed())
+
+    def _add(self, rows: Iterable[Row]) -> None:
+        # Groups first: a package may add a command to another one's group.
+        self._put(sorted(rows, key=lambda row: isinstance(row, CliCommand)))
 
     def _put(self, rows: Iterable[Row]) -> None:
         for row in rows:
@@ -193,15 +210,32 @@ class Tree:
         return made
 
 
-def installed() -> Iterable[Row]:
-    """Return the rows of every installed package that has some, in the order of the packages' names.
+def own() -> Iterable[Row]:
+    """Return the rows of this distribution's own entry points; none where it is not installed."""
+    from importlib import metadata
 
-    A package that cannot be imported must not keep the bridge from running: it is named and left out.
-    """
+    try:
+        entries = metadata.distribution(DISTRIBUTION).entry_points
+    except metadata.PackageNotFoundError:
+        return ()
+    return _rows_of(entries.select(group=COMMAND_GROUP))
+
+
+def installed() -> Iterable[Row]:
+    """Return the rows of every other installed package that has some, in the order of the packages' names."""
     # To read what is installed takes as long as a stop may.
     from importlib import metadata
 
-    for entry in sorted(metadata.entry_points(group=COMMAND_GROUP), key=lambda entry: entry.name):
+    entries = metadata.entry_points(group=COMMAND_GROUP)
+    return _rows_of(entry for entry in entries if entry.dist is None or entry.dist.name != DISTRIBUTION)
+
+
+def _rows_of(entries: "Iterable[EntryPoint]") -> Iterator[Row]:
+    """Yield the rows of entry points.
+
+    A package that cannot be imported must not keep the bridge from running: it is named and left out.
+    """
+    for entry in sorted(entries, key=lambda entry: entry.name):
         try:
             yield from entry.load()
         except (ImportError, AttributeError) as error:

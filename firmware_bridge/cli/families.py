@@ -29,7 +29,7 @@ def shown(
         typer.Argument(metavar="FAMILY", help="Only these.", show_default=False),
     ] = None,
 ) -> None:
-    """List the families of devices: their words in a robot file, reports, watchdog and robots.
+    """List the families of devices: links, axes, reports, watchdog and robots.
 
     A package adds a family by an entry point in the group `firmware_bridge.families`.
     """

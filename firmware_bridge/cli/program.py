@@ -28,7 +28,7 @@ COMMANDS: Final[tuple[Row, ...]] = (
     CliCommand(
         "families",
         "firmware_bridge.cli.families:shown",
-        "List the families of devices that are installed: links, axes, reports, watchdog.",
+        "List the families of devices: links, axes, reports, watchdog and robots.",
     ),
     CliCommand(
         "monitor",

@@ -1,9 +1,11 @@
 """MAVLink messages, decoded: name, sequence number, and every field with its enumeration's name."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from firmware_bridge.packet import Packet
-from firmware_bridge.teleop.mavlink import Codec, Message, dialect, text_of
+
+if TYPE_CHECKING:
+    from firmware_bridge.teleop.mavlink import Message
 
 _NO_ONE: Final = 0
 """The reader sends nothing, so its own number does not matter."""
@@ -13,6 +15,9 @@ class Mavlink:
     """A reader of one link's datagrams."""
 
     def __init__(self) -> None:
+        # MAVLink's dialects take a while to load, and most programs read none of it.
+        from firmware_bridge.teleop.mavlink import Codec  # noqa: PLC0415
+
         self._codec = Codec(_NO_ONE, _NO_ONE)
 
     def read(self, _sender: str, packet: Packet) -> str:
@@ -21,7 +26,7 @@ class Mavlink:
         return "; ".join(map(_text_of, messages)) or "no message that MAVLink's dialects know"
 
 
-def _text_of(message: Message) -> str:
+def _text_of(message: "Message") -> str:
     head = message.get_header()
     name = message.get_type()
     origin = f"{name} #{head.seq} of {head.srcSystem}/{head.srcComponent}"
@@ -29,7 +34,9 @@ def _text_of(message: Message) -> str:
     return f"{origin}: {' '.join(fields)}"
 
 
-def _value(message: Message, field: str) -> str:
+def _value(message: "Message", field: str) -> str:
+    from firmware_bridge.teleop.mavlink import dialect, text_of  # noqa: PLC0415 - as above
+
     value = getattr(message, field)
     if isinstance(value, bytes | str):
         return f"'{text_of(value)}'"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.random import Generator
 
 from emulators.bench.bench_setup import BenchSetup
-from emulators.bench.faults import KINDS, Fault, misfits, read
+from emulators.bench.faults import Fault, kinds, misfits, read
 from emulators.bench.faults.people import BridgeEnds
 from emulators.bench.faults.site import BRIDGE
 from emulators.bench.foreign_datagrams import Stray
@@ -175,7 +175,7 @@ class Draw:
 
     def _meets(self, name: str) -> bool:
         """Return True if this robot has the device of a kind of fault, without the run's random stream."""
-        kind = KINDS[name].fault
+        kind = kinds()[name].fault
         stated = {"kind": name, "at_s": 0.0, **FAILING[name].how(np.random.default_rng(0))}
         if "node" in kind.model_fields:
             stated["node"] = next(iter(kind.among.of(self._robot)), BRIDGE)
@@ -186,7 +186,7 @@ class Draw:
         return not (self._sloped and disables_power(fault))
 
     def _fault(self, name: str, second: float) -> Fault:
-        row, kind = FAILING[name], KINDS[name]
+        row, kind = FAILING[name], kinds()[name]
         stated = {"kind": name, "at_s": second, **row.how(self._chance)}
         among = kind.fault.among.of(self._robot)
         if among and "node" in kind.fault.model_fields:

@@ -2,9 +2,7 @@
 
 from typing import Final
 
-from emulators.arduino_omni.board import Board
-from emulators.bench.columns import SAMPLE_EVERY
-from emulators.bench.faults.board import (
+from emulators.arduino_omni.bench_faults import (
     BoardBrownOut,
     BoardHangs,
     BoardReset,
@@ -12,6 +10,8 @@ from emulators.bench.faults.board import (
     BoardUnpowered,
     I2cStuck,
 )
+from emulators.arduino_omni.board import Board
+from emulators.bench.columns import SAMPLE_EVERY
 from emulators.rig import BRIDGE, Rig
 from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.robot import AnyRobot

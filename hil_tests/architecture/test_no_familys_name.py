@@ -16,7 +16,7 @@ from firmware_bridge.family import families
 from hil_tests.architecture.test_no_robots_name import identifiers, keys
 
 ROOT: Final = Path(__file__).parents[2]
-PACKAGES: Final = ("firmware_bridge", "fmu")
+PACKAGES: Final = ("firmware_bridge", "emulators", "fmu")
 THEIR_OWN: Final = (
     "firmware_bridge/families/",
     "firmware_bridge/robots/",

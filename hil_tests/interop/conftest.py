@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from emulators.documents.eds import eds
+from emulators.epos2.documents.eds import eds
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 
 

@@ -12,7 +12,7 @@ import canopen
 import pytest
 
 from emulators.epos2.objects.device_profile import EPOS2_70_10, realistic
-from emulators.single import DrivesOrder, drives
+from emulators.epos2.single import DrivesOrder, drives
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.node import CAN

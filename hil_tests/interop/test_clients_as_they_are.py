@@ -10,7 +10,7 @@ from typing import Any
 import canopen
 import pytest
 
-from emulators.documents.eds import dcf
+from emulators.epos2.documents.eds import dcf
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.choices import chosen
 from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile, numbered, realistic

@@ -14,7 +14,7 @@ from typing import Final
 
 import pytest
 
-from emulators.documents.eds import eds
+from emulators.epos2.documents.eds import eds
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from hil_tests.interop.test_canopen_master import NODE, Bench
 from hil_tests.interop.test_canopen_master import bench as bench  # noqa: PLC0414 - a fixture

@@ -16,10 +16,10 @@ import pytest
 from diff_drive.plant import PLANT
 from typer.testing import CliRunner
 
+from emulators.epos2.starter.numbers import Specification
+from emulators.epos2.starter.package import written
+from emulators.epos2.starter.tuning import velocity_gains
 from emulators.motors import MOTORS
-from emulators.starter.numbers import Specification
-from emulators.starter.package import written
-from emulators.starter.tuning import velocity_gains
 from firmware_bridge.cli import program
 from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Device
 from firmware_bridge.robot.model import Unpowered

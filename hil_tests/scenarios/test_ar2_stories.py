@@ -146,7 +146,7 @@ def test_its_board_speaks_one_language(capsys: pytest.CaptureFixture[str]) -> No
     with pytest.raises(SystemExit) as ended:
         program(["drive", "ar2", "--serial", "/dev/null", "--protocol", "v1"])
     assert ended.value.code
-    assert "speaks one language" in capsys.readouterr().err
+    assert "ar2 has nothing that takes it" in capsys.readouterr().err
 
 
 def test_where_no_joint_can_stand_is_refused() -> None:

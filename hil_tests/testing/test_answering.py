@@ -3,25 +3,26 @@
 import os
 import tty
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Final, NamedTuple, NoReturn
 
 import pytest
 
 from emulators.arduino_omni.board import FIRMWARES
+from emulators.epos2.presence import DeviceTypeRead
 from emulators.testing.answering import (
     BOOTS,
-    QUESTIONS,
     REQUESTED_AGAIN,
     BoardCall,
     LineCall,
     RollCall,
+    questions,
 )
 from emulators.testing.buses import Bus
 from emulators.testing.emulated import Drives
 from emulators.testing.errors import RigError
 from firmware_bridge.families.ar2.settings import Ar2Firmware
-from firmware_bridge.families.epos2.maxon.frame import Generation
 
 REQUESTED: Final = bytes.fromhex("90 02 10 02 00 10 00 02 DF F2")
 """ReadObject 0x1000 of node 2, and its answer: EPOS2 Application Notes Collection, April 2013, p. 11-164."""
@@ -65,11 +66,11 @@ def test_a_board_is_left_alone_in_its_boot_loader_and_then_requested_until_it_ha
         os.write(line.device, b"57600\r\n")
         assert not call.complete(), "more may follow"
         assert call.complete()
-    assert set(QUESTIONS) == {*FIRMWARES, *Ar2Firmware}
+    assert set(questions()) == {*FIRMWARES, *Ar2Firmware}
 
 
 def test_a_drive_on_a_line_is_requested_again_until_it_answers_without_an_error(line: Line) -> None:
-    with LineCall(line.port, "2", Generation.V2) as call:
+    with LineCall(line.port, "2", partial(DeviceTypeRead, "v2")) as call:
         assert not call.complete()
         assert line.received() == REQUESTED
         os.write(line.device, TIMED_OUT)

@@ -6,7 +6,7 @@ from typing import Final
 
 import emulators
 from emulators.arduino_omni.faults import ROWS
-from emulators.documents.fidelity import stated
+from emulators.epos2.documents.fidelity import stated
 from firmware_bridge.families.motor_shield.wire import arduinoio, mw, ros_arduino_bridge
 
 TEXT: Final = """Registers, libraries and protocols follow their sources, which the modules

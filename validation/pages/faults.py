@@ -6,7 +6,7 @@ from typing import Any, Final, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from emulators.bench.faults import KINDS, FaultKind
+from emulators.bench.faults import FaultKind, kinds
 from emulators.cli.faults import COMMON
 
 HEADINGS: Final = ("key", "meaning", "values", "default")
@@ -54,5 +54,5 @@ def _choices(annotation: Any) -> tuple[str, ...]:
 
 def sections() -> Iterator[tuple[FaultKind, list[tuple[str, str, str, str]]]]:
     """Give every kind with the rows of its keys."""
-    for kind in KINDS.values():
+    for kind in kinds().values():
         yield kind, list(parameters(kind))

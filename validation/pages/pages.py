@@ -4,9 +4,9 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
-from emulators.bench.faults import CABLE_ORDER, KINDS
-from emulators.documents import fidelity, object_table
+from emulators.bench.faults import CABLE_ORDER, kinds
 from emulators.epos2.control.power_states import TRANSITIONS
+from emulators.epos2.documents import fidelity, object_table
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.pilot.keyboard import HELP as KEYS
@@ -184,7 +184,7 @@ def _opcodes(commands: serial_commands.Tests) -> str:
 
 
 def _faults() -> str:
-    parts = [FAULTS_TEXT.format(kinds=len(KINDS), cable=CABLE_ORDER)]
+    parts = [FAULTS_TEXT.format(kinds=len(kinds()), cable=CABLE_ORDER)]
     for kind, fields in faults.sections():
         parts.append(f"## `{kind.name}`")
         parts.append(f"{kind.happens}")

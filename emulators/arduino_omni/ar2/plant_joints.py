@@ -88,6 +88,9 @@ class StepperMotor:
         """True while its board is in the middle of a move."""
         return self._board.moves
 
+    def swap_channels(self, *, swapped: bool) -> None:
+        """Do nothing: it has no encoder."""
+
 
 class SteppedJoints:
     """Physics between two events: the board with its arm."""

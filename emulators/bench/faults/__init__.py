@@ -5,12 +5,11 @@ from emulators.bench.faults.kind import FaultKind
 from emulators.bench.faults.reading import ROBOT, WRONG, FaultTable, misfits, read
 from emulators.bench.faults.schedule import FaultError, Faults
 from emulators.bench.faults.site import BRIDGE, OPERATOR_STATION, SECOND_BRIDGE, Site
-from emulators.bench.faults.table import KINDS
+from emulators.bench.faults.table import kinds
 
 __all__ = [
     "BRIDGE",
     "CABLE_ORDER",
-    "KINDS",
     "OPERATOR_STATION",
     "ROBOT",
     "SECOND_BRIDGE",
@@ -22,6 +21,7 @@ __all__ = [
     "Faults",
     "Lasting",
     "Site",
+    "kinds",
     "misfits",
     "read",
 ]

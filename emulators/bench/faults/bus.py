@@ -22,7 +22,6 @@ from emulators.bench.faults.site import Site
 from emulators.wires import Disturbance, Effect
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen.cia301 import NmtCommand
-from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER
 
@@ -221,7 +220,7 @@ class NmtForeignNode(OnBus):
         name = None if self.node is None else named(site.robot, self.node)
         # Node-ID 0 is a broadcast (CiA 301).
         number = next(
-            (Epos2Axis.of(axis).node for axis in site.robot.axes if axis.name == name), cia301.ALL_NODES
+            (axis.settings.number for axis in site.robot.axes if axis.name == name), cia301.ALL_NODES
         )
         site.send(self.on(site.robot), cia301.NMT, cia301.encode_nmt(_COMMANDS[self.command], number))
 

@@ -7,12 +7,11 @@ from typing import Annotated, ClassVar
 from numpy.random import Generator
 from pydantic import Field
 
-from emulators.arduino_omni.board import Board
 from emulators.bench.faults.fault import Lasting, Node, Positive, Problem, Stations
 from emulators.bench.faults.site import Site
-from emulators.epos2.drive import Epos2
+from emulators.canopen.slave import CanopenSlave
 from emulators.servo.axis import AMBIENT_MC, GATE_MV, LOGIC_MV, ServoAxis
-from emulators.servo.sensors import BROKEN, INDEX_MISSING, INDEX_SPURIOUS, SWAPPED
+from emulators.servo.sensors import BROKEN, INDEX_MISSING, INDEX_SPURIOUS
 from firmware_bridge.robot import AnyRobot
 
 MILLI = 1000
@@ -48,12 +47,12 @@ class SetPointsIgnored(Lasting):
         """Make it ignore new commands."""
         del chance
         for name in self.targets(site.robot):
-            site.devices.nodes(Epos2)[name].motion.hung = True
+            site.devices.nodes(CanopenSlave)[name].hang(hung=True)
 
     def take_off(self, site: Site) -> None:
         """Make it execute commands again."""
         for name in self.targets(site.robot):
-            site.devices.nodes(Epos2)[name].motion.hung = False
+            site.devices.nodes(CanopenSlave)[name].hang(hung=False)
 
 
 class _OnAxes(Lasting, ABC):
@@ -213,14 +212,7 @@ class EncoderSwapped(Lasting):
 
     def _exchange(self, site: Site, *, swapped: bool) -> None:
         for name in self.targets(site.robot):
-            if (servo := site.devices.motors(ServoAxis).get(name)) is not None:
-                # One bit of several: a missing index at the same time stays.
-                wrong = servo.sensor_faults & ~SWAPPED
-                servo.sensor_faults = wrong | SWAPPED if swapped else wrong
-            else:
-                axis = next(axis for axis in site.robot.axes if axis.name == name)
-                wires = site.devices.nodes(Board)[axis.link].motors.faults.swapped
-                (wires.add if swapped else wires.discard)(axis.settings.number - 1)
+            next(axis for axis in site.devices.axes if axis.name == name).swap_channels(swapped=swapped)
 
 
 class IndexMissing(_Wires):

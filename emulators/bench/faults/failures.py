@@ -7,7 +7,7 @@ from typing import Any
 
 from emulators.bench.faults.kind import FaultKind
 from emulators.bench.faults.severe import SEVERE
-from emulators.bench.faults.table import KINDS
+from emulators.bench.faults.table import kinds
 from firmware_bridge.robot import AnyRobot
 
 
@@ -36,7 +36,7 @@ _PLACES = frozenset({"node", "link", "between"})
 def failures_of(robot: AnyRobot) -> tuple[Failure, ...]:
     """Return every failure that this robot can have, in the order of the table of kinds."""
     found = []
-    for kind in KINDS.values():
+    for kind in kinds().values():
         for how in SEVERE.get(kind.name, ({},)):
             for place, keys in _places(kind, robot):
                 failure = Failure(kind.name, place, {**how, **keys}, kind.lasts)

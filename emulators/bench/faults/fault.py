@@ -9,11 +9,10 @@ from numpy.random import Generator
 from pydantic import Field, model_validator
 
 from emulators.bench.faults.site import BRIDGE, Site
-from firmware_bridge.families.epos2.settings import Epos2Driver, Epos2Link
-from firmware_bridge.families.motor_shield.settings import ShieldLink
+from emulators.family import Trait, family_of
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near
-from firmware_bridge.robot.table import Table
+from firmware_bridge.robot.table import Medium, Table
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -40,13 +39,11 @@ class Stations(Enum):
         if self is Stations.NONE:
             return []
         if self is Stations.MOTORS:
-            return [axis.name for axis in robot.axes if axis.link in ShieldLink.all_of(robot)]
-        # An arm's steppers have none: its board counts pulses.
+            return with_trait(robot, Trait.MOTOR)
         if self is Stations.ENCODERS:
-            links = {*Epos2Link.all_of(robot), *ShieldLink.all_of(robot)}
-            return [axis.name for axis in robot.axes if axis.link in links]
-        drives = [axis.name for axis in robot.axes if axis.link in Epos2Link.all_of(robot)]
-        on_can = any(link.driver is Epos2Driver.CAN for link in robot.links.values())
+            return with_trait(robot, Trait.ENCODER)
+        drives = with_trait(robot, Trait.DRIVE)
+        on_can = any(link.medium is Medium.CAN for link in robot.links.values())
         bridge = (self is Stations.ALL and bool(drives)) or (self is Stations.ON_THE_BUS and on_can)
         return [BRIDGE, *drives] if bridge else drives
 
@@ -134,15 +131,24 @@ class OnBus(Fault, ABC):
         """Give what this robot lacks for it, key by key."""
         yield from super().problems(robot)
         node = getattr(self, "node", None)
-        if not Epos2Link.all_of(robot):
+        buses = buses_of(robot)
+        if not buses:
             yield "kind", f"{robot.name} has no CAN bus"
-        elif self.link is not None and self.link not in Epos2Link.all_of(robot):
-            yield (
-                "link",
-                f"{robot.name} has no bus '{self.link}'; {near(self.link, list(Epos2Link.all_of(robot)))}",
-            )
+        elif self.link is not None and self.link not in buses:
+            yield "link", f"{robot.name} has no bus '{self.link}'; {near(self.link, buses)}"
         elif self.link is None and len(robot.links) > 1 and named(robot, node or BRIDGE) == BRIDGE:
             yield "link", f"on which link? there are: {', '.join(robot.links)}"
+
+
+def with_trait(robot: AnyRobot, trait: Trait) -> list[str]:
+    """Return the axes whose devices have this."""
+    having = {link for link in robot.links if trait in family_of(robot, link).traits}
+    return [axis.name for axis in robot.axes if axis.link in having]
+
+
+def buses_of(robot: AnyRobot) -> list[str]:
+    """Return the links with a CAN bus, also one that a drive's serial port leads to."""
+    return [link for link in robot.links if family_of(robot, link).bus(robot, link) is not None]
 
 
 def named(robot: AnyRobot, node: str | int) -> str | None:

@@ -11,10 +11,8 @@ from emulators.bench.faults.fault import Lasting, NonNegative, Positive, Problem
 from emulators.bench.faults.site import Site
 from emulators.wires import Impairment
 from emulators.world import WorldError
-from firmware_bridge.families.ar2.settings import Ar2Link
-from firmware_bridge.families.epos2.settings import Epos2Driver, Epos2Link
-from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.table import Medium
 from firmware_bridge.units import MILLISECOND
 
 Sender = Annotated[
@@ -79,8 +77,7 @@ class SerialUnplugged(Lasting):
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
         """Yield the equipment that this robot lacks for it."""
-        serial = any(link.driver is Epos2Driver.SERIAL for link in Epos2Link.all_of(robot).values())
-        if not serial and not ShieldLink.all_of(robot) and not Ar2Link.all_of(robot):
+        if all(link.medium is not Medium.SERIAL for link in robot.links.values()):
             yield "kind", f"{robot.name} is not on a serial line; --serial v1 or v2 puts it there"
 
     def put_on(self, site: Site, chance: Generator) -> None:

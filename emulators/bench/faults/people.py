@@ -8,8 +8,8 @@ from pydantic import Field, model_validator
 
 from emulators.bench.faults.fault import Lasting, Problem, Stations
 from emulators.bench.faults.site import BRIDGE, SECOND_BRIDGE, Site
-from firmware_bridge.families.epos2.settings import Epos2Driver
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.table import Medium
 from firmware_bridge.units import from_seconds
 
 
@@ -64,7 +64,7 @@ class SecondBridge(Lasting):
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
         """Yield the equipment that this robot lacks for it."""
-        if all(link.driver is not Epos2Driver.CAN for link in robot.links.values()):
+        if all(link.medium is not Medium.CAN for link in robot.links.values()):
             yield "kind", f"{robot.name} is on a serial line, which one program alone can open"
 
     def put_on(self, site: Site, chance: Generator) -> None:

@@ -9,7 +9,7 @@ from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 from emulators.bench.faults.failures import failures_of
 from emulators.bench.faults.fault import Fault, Problem
 from emulators.bench.faults.kind import FaultKind
-from emulators.bench.faults.table import KINDS
+from emulators.bench.faults.table import kinds
 from firmware_bridge.renamed import fault_table
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near, nearest
@@ -32,7 +32,7 @@ def read(table: Any, robot: AnyRobot | None = None) -> Fault:
         raise PydanticCustomError(WRONG, "a fault is a table: [[fault]]")
     table = fault_table(table)
     rest = {key: value for key, value in table.items() if key != "kind"}
-    kind = KINDS.get(str(table.get("kind")))
+    kind = kinds().get(str(table.get("kind")))
     if kind is None:
         problem = "which fault? " if "kind" not in table else f"no such fault as '{table['kind']}'; "
         problem += _near(str(table.get("kind")), robot)
@@ -70,8 +70,8 @@ def misfits(faults: Sequence[Fault], robot: AnyRobot) -> Iterator[Problem]:
 
 
 def _collision(one: Fault, other: Fault, robot: AnyRobot) -> str | None:
-    thing = KINDS[one.kind].acts_on
-    if not thing or thing != KINDS[other.kind].acts_on:
+    thing = kinds()[one.kind].acts_on
+    if not thing or thing != kinds()[other.kind].acts_on:
         return None
     mine, yours = one.targets(robot), other.targets(robot)
     together = one.begin < other.end and other.begin < one.end and (mine & yours or not mine)
@@ -81,9 +81,9 @@ def _collision(one: Fault, other: Fault, robot: AnyRobot) -> str | None:
 def _near(name: str, robot: AnyRobot | None) -> str:
     """Return the ending of a message about a fault that is not known, with those that the robot can have."""
     if robot is None:
-        return near(name, KINDS, most=len(KINDS))
+        return near(name, kinds(), most=len(kinds()))
     possible = list(dict.fromkeys(failure.kind for failure in failures_of(robot)))
-    others = nearest(name, KINDS)
+    others = nearest(name, kinds())
     # A fault that only other robots can have is no help: what this one has is listed.
     meant = f"{robot.name} cannot have '{others[0]}'; " if others and not nearest(name, possible) else ""
     return (

@@ -1,18 +1,18 @@
 """Every kind of fault, one row each: the physical cause, and the reaction of the emulated device."""
 
 from collections.abc import Mapping
-from types import MappingProxyType
+from functools import cache
 from typing import Final
 
-from emulators.bench.faults import bus, capture, device, link, people, plant
-from emulators.bench.faults.board_table import BOARD_ROWS
+from emulators.bench.faults import bus, device, link, people, plant
 from emulators.bench.faults.kind import FaultKind
+from emulators.family import families
 from emulators.wires.faulty_can import WAITING
 
 _CONNECTION: Final = "the connection"
 _SUPPLY: Final = "the supply"
 
-_ROWS: Final = (
+_FIRST: Final = (
     FaultKind(
         bus.FrameError,
         "A disturbance on the cable flips a bit. All nodes see it, an error flag ends the frame, and its"
@@ -192,7 +192,9 @@ _ROWS: Final = (
         "EMCY 0xFF02 or 0xFF03 where 0x2210 enables monitoring of the index; else nothing.",
         "the index",
     ),
-    *BOARD_ROWS,
+)
+"""Faults of a bus and of the devices on it."""
+_LAST: Final = (
     FaultKind(
         link.DatagramLoss,
         "The radio link loses datagrams.",
@@ -224,35 +226,6 @@ _ROWS: Final = (
         "the grip",
     ),
     FaultKind(
-        capture.BodyHidden,
-        "A person stands in front of the cameras, or the robot is outside their view.",
-        "The capture system sends the last pose again and reports the body as not tracked.",
-        "what the cameras see",
-    ),
-    FaultKind(
-        capture.BodyShakes,
-        "The rigid body vibrates: steps between rollers, an uneven floor, loose markers. 1 mm is assumed,"
-        " to be verified: the thesis names vibration without a number.",
-        "A capture system: each frame's pose has that error besides the system's own. The bridge's pose"
-        " follows a share of it.",
-    ),
-    FaultKind(
-        capture.MarkersSwapped,
-        "A reflection, or another body with similar markers: markers are confused.",
-        "The capture system sends a wrong pose, reported as tracked.",
-        "what the cameras see",
-    ),
-    FaultKind(
-        capture.CaptureLate,
-        "The network between the capture system and the bridge is busy: frames queue up, and come late.",
-        "Frames arrive late, with the times of their exposure.",
-    ),
-    FaultKind(
-        capture.CaptureLoss,
-        "The network between the capture system and the bridge loses frames.",
-        "Frames do not arrive.",
-    ),
-    FaultKind(
         people.BridgeEnds,
         "Ctrl-C is pressed, once or twice, or the bridge's process is killed: queued messages are not sent."
         " When the fault ends, a bridge is started. From the one before it knows only the file of axis"
@@ -277,5 +250,9 @@ _ROWS: Final = (
     ),
 )
 
-KINDS: Final[Mapping[str, FaultKind]] = MappingProxyType({row.name: row for row in _ROWS})
-"""Every kind by its name."""
+
+@cache
+def kinds() -> Mapping[str, FaultKind]:
+    """Return every kind by its name: those of buses and drives, the families' own, links, people."""
+    own = [kind for family in families().values() for kind in family.faults()]
+    return {row.name: row for row in (*_FIRST, *own, *_LAST)}

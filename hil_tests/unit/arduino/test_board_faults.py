@@ -19,7 +19,7 @@ from emulators.arduino_omni.shield.tb6612 import (
     SHUTDOWN_C,
     WARMS_IN_S,
 )
-from emulators.bench.faults import KINDS
+from emulators.bench.faults import kinds
 from emulators.servo.axis import TICK
 from emulators.servo.motor import DcMotor
 from firmware_bridge.cli import program
@@ -247,8 +247,8 @@ def test_what_is_no_fault_is_reported(text: str, reported: str) -> None:
 
 
 def test_a_board_has_the_faults_of_a_mission_and_no_other_names() -> None:
-    assert [name for name in FAULTS if name not in KINDS] == []
-    needed = {name for name in FAULTS if KINDS[name].fault.model_fields.get("node") is not None}
+    assert [name for name in FAULTS if name not in kinds()] == []
+    needed = {name for name in FAULTS if kinds()[name].fault.model_fields.get("node") is not None}
     assert needed == {name for name, row in FAULTS.items() if row.nodes}
 
 

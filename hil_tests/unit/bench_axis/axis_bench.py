@@ -6,7 +6,7 @@ from typing import Final
 
 from emulators.epos2.control.motion_control import MotionControl
 from emulators.epos2.objects.device_profile import EPOS2_70_10
-from emulators.single import DrivesOrder, drives
+from emulators.epos2.single import DrivesOrder, drives
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import Mode, PowerState

@@ -5,8 +5,8 @@ from collections.abc import Iterable
 import pytest
 
 from emulators.epos2.objects.device_profile import EPOS2_70_10
+from emulators.epos2.single import DrivesOrder, drives
 from emulators.servo import kernel
-from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.node import CAN

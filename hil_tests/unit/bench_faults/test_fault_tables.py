@@ -4,7 +4,7 @@ import pytest
 from pydantic import ValidationError
 
 from emulators.bench.bench_setup import bench_setup_of
-from emulators.bench.faults import KINDS, Fault, FaultError, FaultKind, misfits, read
+from emulators.bench.faults import Fault, FaultError, FaultKind, kinds, misfits, read
 from emulators.bench.mission import Mission, MissionFileError, parse
 from firmware_bridge import robot_types
 from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
@@ -82,7 +82,7 @@ ON = {
 """Robots of the kinds of fault that RARS cannot have."""
 
 
-@every("kind", KINDS.values(), ids=lambda kind: kind.name)
+@every("kind", kinds().values(), ids=lambda kind: kind.name)
 def test_every_kind_can_be_named_with_the_least_that_it_needs(kind: FaultKind) -> None:
     robot = ON.get(kind.name, ROME if kind.name in ON_A_BOARD else RARS)
     keys = f"at_s = 2.0\n{LEAST.get(kind.name, '')}"
@@ -239,7 +239,7 @@ def test_two_faults_of_one_thing_may_not_overlap(
 
 
 def test_a_fault_from_python_is_checked_alike() -> None:
-    fault = KINDS["frame_loss"].fault.model_validate({"at_s": 1.0, "node": "steer", "for_s": 0.4})
+    fault = kinds()["frame_loss"].fault.model_validate({"at_s": 1.0, "node": "steer", "for_s": 0.4})
     assert read(fault) is fault
     assert fault == read({"kind": "frame_loss", "at_s": 1.0, "node": "steer", "for_s": 0.4})
     with pytest.raises(ValidationError, match="no such key of 'frame_loss'"):
@@ -252,7 +252,7 @@ def test_a_fault_from_python_is_checked_alike() -> None:
     )
 
 
-@every("kind", KINDS.values(), ids=lambda kind: kind.name)
+@every("kind", kinds().values(), ids=lambda kind: kind.name)
 def test_every_key_of_every_kind_is_explained(kind: FaultKind) -> None:
     keys = {key: (text, values) for key, text, values, _ in parameters(kind)}
     assert all(text for text, _ in keys.values())

@@ -74,6 +74,8 @@ PRODUCT: Final = Product(
 class Quiet:
     """Application without a motor, which reports what the bus side finds."""
 
+    hung = False
+
     def __init__(self) -> None:
         self.slave: CanopenSlave | None = None
         self.operational = False

@@ -10,8 +10,8 @@ from typing import Final
 from typer.testing import CliRunner
 
 from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.single import DrivesOrder, drives
 from emulators.gateway import Cluster
-from emulators.single import DrivesOrder, drives
 from firmware_bridge.cli import program
 from firmware_bridge.families.epos2.maxon.frame import Generation
 from firmware_bridge.node import CAN, SERIAL, Node

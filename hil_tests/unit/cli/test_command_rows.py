@@ -13,13 +13,18 @@ from emulators.cli.commands import COMMANDS as OF_THE_SIMULATION
 from firmware_bridge.cli import commands, program
 from firmware_bridge.cli.commands import CliCommand, Group, Row
 from firmware_bridge.cli.program import COMMANDS as OWN
+from firmware_bridge.families.epos2.commands import COMMANDS as OF_DRIVES
 
-EVERY: Final = {row.words: row for row in (*OWN, *OF_THE_SIMULATION) if isinstance(row, CliCommand)}
+EVERY: Final = {
+    row.words: row for row in (*OWN, *OF_DRIVES, *OF_THE_SIMULATION) if isinstance(row, CliCommand)
+}
 PLAIN: Final = {"COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"}
 
 
 class ForeignNode:
     """An entry point of a package that is not there."""
+
+    dist = None
 
     def __init__(self, name: str, rows: Iterable[Row] | Exception) -> None:
         self.name = name

@@ -10,8 +10,8 @@ import typer
 from emulators.cli.emulate_robot import RobotOptions, run
 from emulators.devices import devices
 from emulators.epos2.drive import Epos2
+from emulators.epos2.storage import ParameterFile
 from emulators.family import Devices
-from emulators.storage import ParameterFile
 from firmware_bridge.families.epos2.driver.setup import SetupObject, commissioned
 from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.families.epos2.wire import address as at

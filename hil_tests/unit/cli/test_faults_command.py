@@ -4,7 +4,7 @@ import pytest
 from typer.testing import CliRunner
 
 from emulators.arduino_omni.faults import FAULTS, planned
-from emulators.bench.faults import KINDS
+from emulators.bench.faults import kinds
 from emulators.bench.faults.failures import failures_of
 from firmware_bridge.cli import program
 from firmware_bridge.robot_types import find
@@ -24,7 +24,7 @@ def listed(*words: str) -> tuple[int, list[list[str]], str]:
 def test_without_a_robot_it_lists_all() -> None:
     status, rows, _ = listed()
     assert status == 0
-    assert [row[0] for row in rows] == list(KINDS)
+    assert [row[0] for row in rows] == list(kinds())
 
 
 @pytest.mark.parametrize("robot", ["rars", "rome", "ar2", "climber"])
@@ -37,7 +37,7 @@ def test_of_a_robot_it_lists_those_that_it_can_have_and_where(robot: str) -> Non
         places = [failure.place for failure in failures_of(find(robot)) if failure.kind == name]
         assert all(place in where for place in places)
         assert "at_s" not in keys
-    assert known < set(KINDS)
+    assert known < set(kinds())
 
 
 def test_a_key_that_is_needed_stands_without_brackets() -> None:

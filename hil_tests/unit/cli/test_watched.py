@@ -3,8 +3,9 @@
 import pytest
 
 from emulators.arduino_omni.board import FIRMWARES, Board
+from emulators.arduino_omni.commands.reported import keeping_reported
 from emulators.arduino_omni.motors import four_motors
-from emulators.cli.watched import RollCalled, duplicates_reported, keeping_reported
+from emulators.cli.watched import RollCalled, duplicates_reported
 from emulators.epos2.drive import Epos2
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.node import SERIAL

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.single import DrivesOrder, drives
 from emulators.servo.motor import SUPPLY_MV
-from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire, SerialWire, usb_line
 from emulators.world import World
 from firmware_bridge.canopen.address import Address

@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterator
 from typing import Final, TypeAlias
 
 import hypothesis.strategies as st
-from firmware_bridge.families.motor_shield.dissector import RosLine
 from hypothesis import given
 
 from firmware_bridge.dissector import Carried, Dissector, kinds_of
@@ -12,6 +11,7 @@ from firmware_bridge.dissector.dissector import kinds
 from firmware_bridge.families.ar2 import wire
 from firmware_bridge.families.ar2.settings import Ar2Firmware
 from firmware_bridge.families.motion_capture.settings import CaptureDriver
+from firmware_bridge.families.motor_shield.dissector import RosLine
 from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
 from firmware_bridge.families.motor_shield.settings import ShieldProtocol
 from firmware_bridge.families.motor_shield.wire import arduinoio, firmata, motor_shield, mw

@@ -13,9 +13,9 @@ import pytest
 from canopen.objectdictionary import ODVariable
 from typer.testing import CliRunner
 
-from emulators.documents.eds import dcf, eds
-from emulators.documents.object_reader import SilentNodeError, read_all
-from emulators.documents.object_table import as_json, entries
+from emulators.epos2.documents.eds import dcf, eds
+from emulators.epos2.documents.object_reader import SilentNodeError, read_all
+from emulators.epos2.documents.object_table import as_json, entries
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile
 from firmware_bridge.canopen import objects as od

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.single import DrivesOrder, drives
+from emulators.epos2.single import DrivesOrder, drives
 from emulators.wires import CanWire, SerialWire
 from emulators.world import Wire, World
 from firmware_bridge.drivers.all_drivers import all_drivers_of

@@ -2,7 +2,7 @@
 
 import pytest
 
-from emulators.documents.fidelity import ledger
+from emulators.epos2.documents.fidelity import ledger
 from emulators.epos2.objects.choices import CHOICES, ChoiceError, chosen
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.canopen.abort import AbortCode

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from emulators.canopen.saved_parameters import StorageError
-from emulators.storage import ParameterFile
+from emulators.epos2.storage import ParameterFile
 from firmware_bridge.canopen.address import Address
 from hil_tests.unit.epos2.quiet_motion import Desk
 
@@ -58,7 +58,7 @@ def test_load_gives_the_saved_copy_up(tmp_path: Path) -> None:
 WRITER = """
 import sys
 from pathlib import Path
-from emulators.storage import ParameterFile
+from emulators.epos2.storage import ParameterFile
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 file = ParameterFile(Path(sys.argv[1]))
 numbers = [address for address, row in EPOS2_70_10.objects.items() if row.type.size]

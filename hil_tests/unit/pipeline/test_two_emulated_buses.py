@@ -5,7 +5,7 @@ from typing import Any, Final
 import pytest
 
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.single import DrivesOrder, drives
+from emulators.epos2.single import DrivesOrder, drives
 from emulators.wires import CanWire, DatagramWire
 from emulators.wires.ends import Observer
 from emulators.world import World

@@ -6,14 +6,14 @@ from typing import Final, NamedTuple
 import pytest
 from typer.testing import CliRunner
 
-from emulators.documents.eds import dcf
+from emulators.epos2.documents.eds import dcf
+from emulators.epos2.mounted import Mounted, ShaftLoad
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.epos2.objects.parameters import is_parameter
+from emulators.epos2.single import DrivesOrder, drives
 from emulators.fittings import Encoder, FittingError, encoder, gear
 from emulators.motors import MotorError, catalogue, motor
-from emulators.mounted import Mounted, ShaftLoad
-from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.canopen import objects as od

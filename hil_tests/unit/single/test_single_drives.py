@@ -7,11 +7,11 @@ import pytest
 from typer.testing import CliRunner
 
 from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.single import DrivesOrder, drives
 from emulators.servo.axis import RAMP, TICK, ServoAxis
 from emulators.servo.commands import regulate_velocity
 from emulators.servo.fmu_axes import set_motor
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
-from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.cli import program

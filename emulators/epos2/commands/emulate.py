@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from emulators.cli.options import LatencyOption, ParametersOption, ProfileOption, find_profile, plant_file
+from emulators.cli.options import LatencyOption, ParametersOption, plant_file
+from emulators.epos2.commands.options import ProfileOption, find_profile
 from emulators.epos2.objects.device_profile import BAUDS, BIT_RATES, DeviceProfile, realistic
 from emulators.servo.motor import MOTOR, SUPPLY_MV
 from firmware_bridge.cli.commands import command, completing
@@ -24,7 +25,7 @@ from firmware_bridge.recording import device_side
 from firmware_bridge.runtime.black_box import CAN_LOG, SERIAL_LOG
 
 if TYPE_CHECKING:
-    from emulators.mounted import Mounted, ShaftLoad
+    from emulators.epos2.mounted import Mounted, ShaftLoad
     from firmware_bridge.canopen.address import Address
 
 EXAMPLES: Final = """Examples:
@@ -189,12 +190,12 @@ DEFAULT_BIT_RATE: Final = 1_000_000
 def run(given: DrivesOptions) -> None:
     """Run the command `emulate epos2`; an error ends the program with a message."""
     from emulators.canopen.saved_parameters import StorageError
-    from emulators.cli.drive_links import drives_opened
     from emulators.cli.watched import RollCalled, duplicates_reported
+    from emulators.epos2.commands.links import drives_opened
     from emulators.epos2.serial.serial_drive import baud_of
+    from emulators.epos2.single import DrivesOrder, drives
     from emulators.gateway import Cluster
     from emulators.servo.bank import ServoError
-    from emulators.single import DrivesOrder, drives
     from firmware_bridge.cli.links import on_the_line
     from firmware_bridge.cli.node_numbers import numbers
     from firmware_bridge.cli.real_time import carry
@@ -254,7 +255,7 @@ def run(given: DrivesOptions) -> None:
 
 def _axes(plant: Path | None, count: int) -> tuple[str, ...]:
     """Return the plant's own axes, where it has one for each node; else none, which are motor1 and so on."""
-    from emulators.arduino_omni.fmu_load import axes_of
+    from emulators.servo.fmu_axes import axes_of
 
     own = () if plant is None else axes_of(plant)
     return own if len(own) == count else ()
@@ -313,9 +314,9 @@ def _settings(values: Sequence[str], plant: Path | None) -> dict[str, float]:
 
 def _mounted(given: DrivesOptions) -> "Mounted":
     """Return what hangs on each drive; what makes no sense ends the program with a message."""
+    from emulators.epos2.mounted import Mounted
     from emulators.fittings import FittingError, encoder, gear
     from emulators.motors import MotorError, motor
-    from emulators.mounted import Mounted
 
     if given.plant is not None:
         for name in ("motor", "load", "pole_pairs", "gear"):
@@ -344,7 +345,7 @@ def _text(mounted: "Mounted", plant: Path | None) -> str:
 
 
 def _load(text: str, *, named: bool) -> "ShaftLoad":
-    from emulators.mounted import ShaftLoad
+    from emulators.epos2.mounted import ShaftLoad
 
     try:
         inertia, friction = (float(part) for part in text.split(","))

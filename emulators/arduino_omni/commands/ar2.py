@@ -67,8 +67,8 @@ def run(given: Ar2Options) -> None:
     """Run the command `emulate ar2`; an error ends the program with a message."""
     from emulators.arduino_omni.ar2.board import Ar2Board
     from emulators.arduino_omni.ar2.firmwares import FIRMWARES
+    from emulators.arduino_omni.commands.reported import keeping_reported
     from emulators.arduino_omni.mega.mega import SketchError
-    from emulators.cli.watched import keeping_reported
     from firmware_bridge.cli.links import open_serial
     from firmware_bridge.cli.real_time import carry
     from firmware_bridge.runtime.clock import LivedClock

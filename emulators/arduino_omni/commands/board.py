@@ -136,10 +136,10 @@ NOT_STOCK: Final = ", not stock"
 def run(given: BoardOptions) -> None:
     """Run the command `emulate board`; an error ends the program with a message."""
     from emulators.arduino_omni.board import Board
+    from emulators.arduino_omni.commands.reported import keeping_reported
     from emulators.arduino_omni.faults import FaultyBoard
     from emulators.arduino_omni.mega.mega import SketchError
     from emulators.arduino_omni.motors import SUPPLY_V
-    from emulators.cli.watched import keeping_reported
     from emulators.servo.seam import ServoError
     from firmware_bridge.cli.links import open_serial
     from firmware_bridge.cli.real_time import carry

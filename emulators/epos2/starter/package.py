@@ -6,7 +6,7 @@ from pathlib import Path
 from string import Template
 from typing import Final
 
-from emulators.starter.numbers import Specification, SpecificationError, worked_out
+from emulators.epos2.starter.numbers import Specification, SpecificationError, worked_out
 
 TEMPLATES: Final = "templates"
 SUFFIX: Final = ".template"
@@ -18,7 +18,7 @@ def written(given: Specification) -> dict[str, str]:
     """Return the files of a package, by their paths in it; SpecificationError."""
     words = worked_out(given)
     texts = {}
-    for path, template in _templates(files("emulators.starter") / TEMPLATES / given.kind, ""):
+    for path, template in _templates(files("emulators.epos2.starter") / TEMPLATES / given.kind, ""):
         name = path.removesuffix(SUFFIX).replace(NAME, given.name)
         texts[name] = Template(template.read_text(encoding="utf-8")).substitute(words)
     return texts
@@ -40,7 +40,9 @@ def write(given: Specification, folder: Path) -> tuple[Path, ...]:
 
 def kinds() -> list[str]:
     """Return the kinds for which there are templates."""
-    return sorted(one.name for one in (files("emulators.starter") / TEMPLATES).iterdir() if one.is_dir())
+    return sorted(
+        one.name for one in (files("emulators.epos2.starter") / TEMPLATES).iterdir() if one.is_dir()
+    )
 
 
 def _templates(folder: Traversable, path: str) -> list[tuple[str, Traversable]]:

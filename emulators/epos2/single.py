@@ -12,15 +12,15 @@ from typing import Final
 
 from emulators.canopen.saved_parameters import Volatile
 from emulators.epos2.drive import Epos2
+from emulators.epos2.mounted import Comparison, Mounted, Torque
 from emulators.epos2.objects.device_profile import DeviceProfile, numbered
 from emulators.epos2.serial.serial_drive import SerialEpos2
-from emulators.mounted import Comparison, Mounted, Torque
+from emulators.epos2.storage import Commissioned, ParameterFile
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, ServoPlant
 from emulators.servo.fmu_axes import axis_needs, fmu_bank, load_plant, set_motor
 from emulators.servo.motor import SUPPLY_MV, DcMotors
 from emulators.servo.winding import set_winding
-from emulators.storage import Commissioned, ParameterFile
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.families.epos2.maxon.frame import Generation
 from fmu.plant import FmuPlant

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.starter.tuning import VELOCITY_P_UNIT, velocity_gains
 from emulators.motors import Motor
-from emulators.starter.tuning import VELOCITY_P_UNIT, velocity_gains
 from firmware_bridge.families.epos2.settings import BRUSHED, SINUSOIDAL, Epos2Device
 from firmware_bridge.families.epos2.wire.hardware import too_fast
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from itertools import groupby
 from typing import Final
 
-from emulators.documents.object_table import ObjectEntry, entries
+from emulators.epos2.documents.object_table import ObjectEntry, entries
 from emulators.epos2.objects.device_profile import BIT_RATES, SERIAL_NUMBER_64, DeviceProfile
 from emulators.epos2.objects.parameters import is_parameter
 from firmware_bridge.canopen import objects as od

@@ -42,7 +42,7 @@ def new(
         typer.Option(
             "--kind",
             help="Type of the robot: differential.",
-            autocompletion=completing("emulators.starter.package:kinds"),
+            autocompletion=completing("emulators.epos2.starter.package:kinds"),
         ),
     ] = "differential",
     nodes: Annotated[str, typer.Option("--nodes", metavar=TWO, help="CANopen nodes of its drives.")] = "1,2",
@@ -87,9 +87,9 @@ def new(
     the real robot moves.
     """
     from emulators import motors
+    from emulators.epos2.starter.numbers import Specification, SpecificationError
+    from emulators.epos2.starter.package import kinds, write
     from emulators.motors import MotorError
-    from emulators.starter.numbers import Specification, SpecificationError
-    from emulators.starter.package import kinds, write
     from firmware_bridge.families.epos2.settings import Epos2Device
 
     target = folder or Path(name)
@@ -130,7 +130,7 @@ def new(
 
 
 def _known(option: str, what: str, name: str, known: list[str]) -> str:
-    from emulators.starter.numbers import SpecificationError
+    from emulators.epos2.starter.numbers import SpecificationError
     from firmware_bridge.robot.problems import near
 
     if name not in known:
@@ -139,7 +139,7 @@ def _known(option: str, what: str, name: str, known: list[str]) -> str:
 
 
 def _positive(option: str, value: float) -> float:
-    from emulators.starter.numbers import SpecificationError
+    from emulators.epos2.starter.numbers import SpecificationError
 
     if not 0.0 < value < math.inf:
         raise SpecificationError(f"{option} must be positive, not {value:g}")
@@ -147,7 +147,7 @@ def _positive(option: str, value: float) -> float:
 
 
 def _lines(encoder_lines: int) -> int:
-    from emulators.starter.numbers import SpecificationError
+    from emulators.epos2.starter.numbers import SpecificationError
 
     if encoder_lines not in ENCODER_LINES:
         raise SpecificationError(f"--encoder-lines must be 16 to 2500000, not {encoder_lines}")
@@ -155,7 +155,7 @@ def _lines(encoder_lines: int) -> int:
 
 
 def _nodes(words: str) -> tuple[int, int]:
-    from emulators.starter.numbers import SpecificationError
+    from emulators.epos2.starter.numbers import SpecificationError
 
     left, right = _two("--nodes", words)
     for node in (left, right):
@@ -173,7 +173,7 @@ def _axes(words: str) -> tuple[str, str]:
 
 def _free(name: str) -> None:
     """Refuse a name that Python, or an installed package, has already."""
-    from emulators.starter.numbers import SpecificationError
+    from emulators.epos2.starter.numbers import SpecificationError
     from fmu import plants
 
     _usable("NAME", name)
@@ -187,7 +187,7 @@ def _free(name: str) -> None:
 
 
 def _usable(option: str, name: str) -> None:
-    from emulators.starter.numbers import SpecificationError
+    from emulators.epos2.starter.numbers import SpecificationError
 
     if NAME.fullmatch(name) is None or keyword.iskeyword(name):
         raise SpecificationError(
@@ -197,7 +197,7 @@ def _usable(option: str, name: str) -> None:
 
 def _two(option: str, words: str) -> tuple[str, str]:
     """Return the left and the right word."""
-    from emulators.starter.numbers import SpecificationError
+    from emulators.epos2.starter.numbers import SpecificationError
 
     found = [word.strip() for word in words.split(",")]
     if len(found) != WHEELS:

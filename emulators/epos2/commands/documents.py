@@ -6,11 +6,11 @@ from typing import Annotated, Final
 import typer
 from rich.table import Table
 
-from emulators.cli.options import ProfileOption, find_profile
-from emulators.documents import eds as sheets
-from emulators.documents import fidelity as known
-from emulators.documents import object_table as dictionary
-from emulators.documents.object_reader import SilentNodeError, read_all
+from emulators.epos2.commands.options import ProfileOption, find_profile
+from emulators.epos2.documents import eds as sheets
+from emulators.epos2.documents import fidelity as known
+from emulators.epos2.documents import object_table as dictionary
+from emulators.epos2.documents.object_reader import SilentNodeError, read_all
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import BIT_RATE_IN_USE, BIT_RATES, numbered
 from firmware_bridge.canopen import objects as od

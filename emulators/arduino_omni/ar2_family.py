@@ -1,7 +1,7 @@
 """The arm AR2 as a family of emulated devices: its board, its joints on a plant, its serial line."""
 
 from functools import partial
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from emulators.arduino_omni.ar2.board import Ar2Board
 from emulators.arduino_omni.ar2.firmwares import FIRMWARES
@@ -9,10 +9,14 @@ from emulators.arduino_omni.ar2.plant_joints import ANGLES, FIELDS, INPUTS, STEP
 from emulators.arduino_omni.board_line import BoardLine, board_line
 from emulators.family import BridgeLink, BuildOrder, Built, EmulatedFamily, Line, Plan, Station, Way
 from emulators.servo.fmu_axes import PlantNeeds
-from firmware_bridge.families.ar2.settings import Ar2Axis, Ar2Link
+from firmware_bridge.families.ar2 import wire
+from firmware_bridge.families.ar2.settings import Ar2Axis, Ar2Firmware, Ar2Link
 from firmware_bridge.node import SERIAL, Node
 from firmware_bridge.robot import AnyRobot
 from fmu.plant import FmuPlant
+
+if TYPE_CHECKING:
+    from emulators.cli.emulate_robot import RobotOptions
 
 
 def _plans(order: BuildOrder) -> tuple[Plan, ...]:
@@ -47,6 +51,18 @@ def _protocols(robot: AnyRobot, link: str) -> tuple[str, ...]:
     return (Ar2Link.of_link(robot, link).protocol.value,)
 
 
+def _on_ports(robot: AnyRobot, given: "RobotOptions") -> None:
+    from emulators.arduino_omni.commands.robot import emulate_boards  # noqa: PLC0415 - a command's own
+
+    emulate_boards(robot, given)
+
+
 FAMILY: Final = EmulatedFamily(
-    links=(Ar2Link,), plans=_plans, line=_line, electric=False, protocols=_protocols
+    links=(Ar2Link,),
+    plans=_plans,
+    line=_line,
+    electric=False,
+    protocols=_protocols,
+    on_ports=_on_ports,
+    questions={Ar2Firmware.AR2_2_0: (b"WTS0" + wire.END, wire.DONE)},
 )

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Final
 
 import emulators
-from emulators.documents.object_table import entries
 from emulators.epos2.control.value_ranges import VALUE_RANGES
+from emulators.epos2.documents.object_table import entries
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.choices import CHOICES
 from emulators.epos2.objects.device_profile import EPOS2_70_10

@@ -1,0 +1,1 @@
+"""Emulated boards at the command line."""

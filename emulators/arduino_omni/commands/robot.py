@@ -1,0 +1,101 @@
+"""A robot's boards on serial lines, at the command line."""
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from firmware_bridge.cli.console import one_message
+from firmware_bridge.cli.options import until
+from firmware_bridge.cli.recorded import recording
+from firmware_bridge.families.ar2.settings import Ar2Link
+from firmware_bridge.node import SERIAL, Node
+from firmware_bridge.recording import device_side
+from firmware_bridge.runtime.black_box import SERIAL_LOG
+
+if TYPE_CHECKING:
+    from emulators.cli.emulate_robot import RobotOptions
+    from firmware_bridge.robot import AnyRobot
+    from firmware_bridge.runtime.ports import Port
+
+
+def emulate_boards(machine: "AnyRobot", given: "RobotOptions") -> None:
+    """Put a robot's boards on serial lines, with its plant at the shield's terminals, or on its pulses."""
+    from emulators.arduino_omni.ar2.board import Ar2Board
+    from emulators.arduino_omni.board import Board
+    from emulators.arduino_omni.commands.reported import keeping_reported
+    from emulators.cli.beginning import report_beginning
+    from emulators.cli.beside import beside_of
+    from emulators.devices import devices
+    from emulators.gateway import Cluster
+    from emulators.servo.bank import ServoError
+    from firmware_bridge.cli.fitted import linked
+    from firmware_bridge.cli.real_time import carry
+    from firmware_bridge.dissector import kinds_of
+    from firmware_bridge.family import LinkOptions
+    from firmware_bridge.robot import RobotFileError
+    from firmware_bridge.runtime.clock import LivedClock
+    from firmware_bridge.runtime.ports import PortError
+    from fmu.errors import PlantError
+
+    with one_message(RobotFileError, PlantError):
+        machine = linked(machine, LinkOptions(given.protocol, encoders=given.encoders))
+        report_beginning(machine, given.plant)
+        emulated = devices(machine, given.plant)
+        cameras = beside_of(machine, emulated)
+    boards = emulated.nodes(Board) | emulated.nodes(Ar2Board)
+    alone = len(boards) == 1
+    links = {name: SERIAL if alone else name for name in boards}
+    for name, board in boards.items():
+        keeping_reported(board.mega, name)
+    node: Node = next(iter(boards.values()))
+    if cameras.members or not alone:
+        members: dict[str, Node] = {**boards, **cameras.members}
+        lines = {name: {SERIAL: link} for name, link in links.items()}
+        node = Cluster(members, emulated.physics, links={**lines, **cameras.links})
+    files = {link: SERIAL_LOG if alone else f"{name}-{SERIAL_LOG}" for name, link in links.items()}
+    kinds = kinds_of(machine)
+    called = {link: device_side(name, kinds[name]) for name, link in links.items()}
+    with recording(given.record, files, called=called) as (around, _):
+        with one_message(PortError):
+            ports = {name: _line_of(machine, name, given, alone=alone) for name in links}
+        of_boards = (f"{'' if alone else f'{name} on '}{line.name}" for name, line in ports.items())
+        spoken_there = ", ".join(_spoken(machine, name) for name in links)
+        carry(
+            around(node),
+            {**{links[name]: partial(_same, line) for name, line in ports.items()}, **cameras.openers},
+            until(given.duration),
+            f"{machine.name} is on {', '.join((*of_boards, *cameras.where))}: {spoken_there}",
+            PlantError,
+            ServoError,
+            clock=LivedClock(),
+        )
+
+
+def _same(port: "Port") -> "Port":
+    """Return what was opened already, because its name is found out only then."""
+    return port
+
+
+def _line_of(machine: "AnyRobot", name: str, given: "RobotOptions", *, alone: bool) -> "Port":
+    """Open the line to a board; where there are several each has a pseudo-terminal of its own. PortError."""
+    from firmware_bridge.cli.links import open_serial
+    from firmware_bridge.runtime.ports import PortError
+    from firmware_bridge.runtime.ports.pseudo_terminal import WORD
+
+    table = machine.links[name]
+    rate = table.rate
+    link, device = given.serial_link, given.serial or WORD
+    if alone:
+        return open_serial(device, rate, link)
+    if device != WORD:
+        raise PortError(f"--serial {device}: {machine.name} has several boards; use --serial {WORD}")
+    return open_serial(device, rate, None if link is None else link.with_name(f"{link.name}-{name}"))
+
+
+def _spoken(machine: "AnyRobot", name: str) -> str:
+    """Return what a board speaks."""
+    from firmware_bridge.families.motor_shield.settings import ShieldLink
+
+    table = machine.links[name]
+    if not isinstance(table, ShieldLink):
+        return Ar2Link.of_link(machine, name).protocol.value
+    return f"{table.protocol.value}, {table.counted} encoders{'' if table.stock else ', not stock'}"

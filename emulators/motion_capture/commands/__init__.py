@@ -1,0 +1,1 @@
+"""Emulated motion capture systems at the command line."""
