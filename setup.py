@@ -30,16 +30,29 @@ UNIX_FLAGS: Final = ["-std=c99", "-O2", "-fvisibility=hidden"]
 MYPYC: Final = "mypy[mypyc]>=2.4,<3"
 FOR_PLANTS: Final = ("fmpy>=0.3.22", "numpy>=1.26", "sympy>=1.12")
 WAY_OF_A_PACKET: Final = (
-    "emulators/arduino_omni/*.py",
-    "emulators/arduino_omni/*/*.py",
+    "emulators/arduino_omni/ar2/*.py",
+    "emulators/arduino_omni/board.py",
+    "emulators/arduino_omni/faults.py",
+    "emulators/arduino_omni/mega/*.py",
+    "emulators/arduino_omni/motors.py",
+    "emulators/arduino_omni/shield/*.py",
+    "emulators/arduino_omni/shield_motors.py",
+    "emulators/arduino_omni/sketches/*.py",
+    "emulators/arduino_omni/usb_board.py",
     "emulators/bench/controls.py",
     "emulators/bench/operator.py",
     "emulators/bench/orders.py",
     "emulators/bench/stick.py",
     "emulators/canopen/*.py",
-    "emulators/epos2/*.py",
-    "emulators/epos2/*/*.py",
-    "emulators/motion_capture/*.py",
+    "emulators/epos2/canopen/*.py",
+    "emulators/epos2/control/*.py",
+    "emulators/epos2/drive.py",
+    "emulators/epos2/io/*.py",
+    "emulators/epos2/modes/*.py",
+    "emulators/epos2/objects/*.py",
+    "emulators/epos2/serial/*.py",
+    "emulators/motion_capture/[bces]*.py",
+    "emulators/motion_capture/film.py",
     "emulators/physics.py",
     "emulators/rig.py",
     "emulators/servo/bank.py",
@@ -72,13 +85,7 @@ WAY_OF_A_PACKET: Final = (
 """Modules that run again and again in a mission; tables, and those that run once, stay as they are."""
 INTERPRETED: Final = frozenset(
     {
-        "emulators/arduino_omni/ar2_family.py",  # it builds what runs, once
-        "emulators/arduino_omni/board_line.py",  # as above
-        "emulators/arduino_omni/family.py",  # as above
-        "emulators/arduino_omni/fmu_load.py",  # as above
-        "emulators/epos2/family.py",  # as above
         "emulators/epos2/objects/device_profile.py",  # its annotations carry sources, read at run time
-        "emulators/motion_capture/family.py",  # it builds what runs, once
         "firmware_bridge/canopen/abort.py",  # an enumeration with a __new__ of its own
         "firmware_bridge/canopen/data_type.py",  # an enumeration with an __init__ of its own
         "firmware_bridge/canopen/object_dictionary.py",  # a mapping, by the rules of Python's

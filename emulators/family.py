@@ -27,6 +27,7 @@ from fmu.plant import FmuPlant
 if TYPE_CHECKING:
     from emulators.bench.faults.kind import FaultKind
     from emulators.cli.emulate_robot import RobotOptions
+    from emulators.cli.emulation import Emulation
     from firmware_bridge.runtime.ports import Port
 
 GROUP: Final = "firmware_bridge.emulated_families"
@@ -292,8 +293,8 @@ class EmulatedFamily:
     """Return the kinds of faults that only its devices can have."""
     alone_faults: Callable[[], Mapping[str, str]] | None = None
     """Return the faults that `emulate` puts on one device alone, and where; None without any."""
-    on_ports: "Callable[[AnyRobot, RobotOptions], None] | None" = None
-    """Run `emulate ROBOT` for a robot of its devices; None: they only look at those of others."""
+    on_ports: "Callable[[AnyRobot, RobotOptions], Emulation] | None" = None
+    """Make a robot of its devices for `emulate ROBOT`; None: they only look at those of others."""
     beside: Callable[[AnyRobot, Devices], Beside] | None = None
     """Return its observers for real ports; None without any."""
     presence: Callable[[str, int], Question] | None = None

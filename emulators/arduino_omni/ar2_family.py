@@ -1,12 +1,13 @@
 """The arm AR2 as a family of emulated devices: its board, its joints on a plant, its serial line."""
 
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from emulators.arduino_omni.ar2.board import Ar2Board
 from emulators.arduino_omni.ar2.firmwares import FIRMWARES
 from emulators.arduino_omni.ar2.plant_joints import ANGLES, FIELDS, INPUTS, STEP, PlantJoints, SteppedJoints
 from emulators.arduino_omni.board_line import BoardLine, board_line
+from emulators.arduino_omni.real_ports import on_ports
 from emulators.family import BridgeLink, BuildOrder, Built, EmulatedFamily, Line, Plan, Station, Way
 from emulators.servo.fmu_axes import PlantNeeds
 from firmware_bridge.families.ar2 import wire
@@ -14,9 +15,6 @@ from firmware_bridge.families.ar2.settings import Ar2Axis, Ar2Firmware, Ar2Link
 from firmware_bridge.node import SERIAL, Node
 from firmware_bridge.robot import AnyRobot
 from fmu.plant import FmuPlant
-
-if TYPE_CHECKING:
-    from emulators.cli.emulate_robot import RobotOptions
 
 
 def _plans(order: BuildOrder) -> tuple[Plan, ...]:
@@ -51,18 +49,12 @@ def _protocols(robot: AnyRobot, link: str) -> tuple[str, ...]:
     return (Ar2Link.of_link(robot, link).protocol.value,)
 
 
-def _on_ports(robot: AnyRobot, given: "RobotOptions") -> None:
-    from emulators.arduino_omni.commands.robot import emulate_boards  # noqa: PLC0415 - a command's own
-
-    emulate_boards(robot, given)
-
-
 FAMILY: Final = EmulatedFamily(
     links=(Ar2Link,),
     plans=_plans,
     line=_line,
     electric=False,
     protocols=_protocols,
-    on_ports=_on_ports,
+    on_ports=on_ports,
     questions={Ar2Firmware.AR2_2_0: (b"WTS0" + wire.END, wire.DONE)},
 )

@@ -9,6 +9,7 @@ from emulators.arduino_omni.board_line import BoardLine, board_line
 from emulators.arduino_omni.fmu_load import torque_constant
 from emulators.arduino_omni.motors import MotorLoad
 from emulators.arduino_omni.presence import QUESTIONS
+from emulators.arduino_omni.real_ports import on_ports
 from emulators.arduino_omni.shield_motors import ShieldMotor, ShieldMotors
 from emulators.family import (
     BridgeLink,
@@ -34,7 +35,6 @@ from fmu.plant import FmuPlant
 
 if TYPE_CHECKING:
     from emulators.bench.faults.kind import FaultKind
-    from emulators.cli.emulate_robot import RobotOptions
 
 
 def _plans(order: BuildOrder) -> tuple[Plan, ...]:
@@ -131,12 +131,6 @@ def _alone_faults() -> dict[str, str]:
     return {name: ", ".join(row.nodes) for name, row in FAULTS.items()}
 
 
-def _on_ports(robot: AnyRobot, given: "RobotOptions") -> None:
-    from emulators.arduino_omni.commands.robot import emulate_boards  # noqa: PLC0415 - a command's own
-
-    emulate_boards(robot, given)
-
-
 FAMILY: Final = EmulatedFamily(
     links=(ShieldLink,),
     plans=_plans,
@@ -145,6 +139,6 @@ FAMILY: Final = EmulatedFamily(
     traits=frozenset({Trait.MOTOR, Trait.ENCODER}),
     faults=_faults,
     alone_faults=_alone_faults,
-    on_ports=_on_ports,
+    on_ports=on_ports,
     questions=QUESTIONS,
 )

@@ -1,4 +1,4 @@
-"""The simulation's commands, as rows: `bench`, `emulate`, `fmu`, and an emulated drive's own documents."""
+"""The simulation's commands, as rows; those of a family of devices are its own."""
 
 from typing import Any, Final
 
@@ -15,11 +15,6 @@ class ByName(Rows):
 
 
 COMMANDS: Final[tuple[Row, ...]] = (
-    CliCommand(
-        "new",
-        "emulators.epos2.commands.new:new",
-        "Write a package for a new robot: robot file, rules, plant, missions; it drives at once.",
-    ),
     CliCommand(
         "bench",
         "emulators.cli.bench:bench",
@@ -59,9 +54,10 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "emulate",
         """Put emulated devices on a real CAN bus or a serial line, in real time.
 
-`emulate epos2` emulates drives alone, `emulate board` an Arduino with a motor shield, `emulate ar2` the board
-of an arm, `emulate capture` a motion capture system. `emulate ROBOT` emulates the drives and the plant of a
-robot; the word `robot` in front of the robot's name may be left out.""",
+`emulate FAMILY` emulates devices of one family alone, with its own options: `epos2` drives, `motor_shield`,
+or `board`, an Arduino with a motor shield, `ar2` the board of an arm, `motion_capture`, or `capture`,
+cameras. `emulate ROBOT` emulates the devices and the plant of a robot; the word `robot` in front of the
+robot's name may be left out.""",
         """Examples:
 
 `firmware-bridge emulate rars -i socketcan -c vcan0`
@@ -75,26 +71,6 @@ robot; the word `robot` in front of the robot's name may be left out.""",
         "emulate robot",
         "emulators.cli.emulate_robot:emulate",
         "Put the robot's emulated drives and its plant on a real CAN bus, a serial line, or both.",
-    ),
-    CliCommand(
-        "emulate epos2",
-        "emulators.epos2.commands.emulate:emulate",
-        "Put EPOS2 drives on a real CAN bus, a serial line, or both.",
-    ),
-    CliCommand(
-        "emulate board",
-        "emulators.arduino_omni.commands.board:emulate",
-        "Put an Arduino Mega 2560 with an Adafruit Motor Shield V2 on a serial line.",
-    ),
-    CliCommand(
-        "emulate ar2",
-        "emulators.arduino_omni.commands.ar2:emulate",
-        "Put the board of an AR2 arm on a serial line, in real time, with the arm on its drivers.",
-    ),
-    CliCommand(
-        "emulate capture",
-        "emulators.motion_capture.commands.capture:emulate",
-        "Stream the frames of an OptiTrack system as NatNet over UDP unicast, in real time.",
     ),
     Group(
         "fmu",
@@ -116,25 +92,5 @@ robot; the word `robot` in front of the robot's name may be left out.""",
         "fmu check",
         "emulators.cli.plants:check",
         "Check an FMU: validity, start, bit-exact results, and the robots that it fits.",
-    ),
-    CliCommand(
-        "epos2 objects",
-        "emulators.epos2.commands.documents:objects",
-        "List every object: type, access, PDO, range, default, and provenance.",
-    ),
-    CliCommand(
-        "epos2 eds",
-        "emulators.epos2.commands.documents:eds",
-        "Write the electronic data sheet, for any CANopen master's tools.",
-    ),
-    CliCommand(
-        "epos2 dcf",
-        "emulators.epos2.commands.documents:dcf",
-        "Read every object of a running drive, emulated or real, and write its device configuration file.",
-    ),
-    CliCommand(
-        "epos2 fidelity",
-        "emulators.epos2.commands.documents:fidelity",
-        "List proven, documented, analogous and assumed parts of the emulation, with their sources.",
     ),
 )

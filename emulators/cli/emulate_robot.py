@@ -5,8 +5,9 @@ from typing import Annotated, Final
 
 import typer
 
+from emulators.cli import emulation
+from emulators.cli.emulation import Emulation, emulating
 from emulators.cli.options import LatencyOption, ParametersOption, PlantOption
-from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.cli.options import (
     DurationOption,
@@ -77,8 +78,8 @@ class RobotOptions(Outside):
     duration: DurationOption = None
 
 
-def run(given: RobotOptions) -> None:
-    """Run the command `emulate ROBOT`; an error ends the program with a message."""
+def start(given: RobotOptions) -> Emulation:
+    """Make the devices of `emulate ROBOT`; an error ends the program with a message."""
     from emulators.family import families_of
     from firmware_bridge.cli.robot_argument import find_robot
     from firmware_bridge.robot import RobotFileError
@@ -86,11 +87,15 @@ def run(given: RobotOptions) -> None:
     machine = find_robot(given.robot)
     with one_message(RobotFileError):
         ways = list(dict.fromkeys(one.on_ports for one in families_of(machine) if one.on_ports is not None))
-    # Boards of two families may share one way.
-    names = {way.__module__ for way in ways}
-    if len(ways) > 1 and len(names) > 1:
+    # Boards of two families share one way.
+    if len(ways) > 1:
         raise refusal(f"{machine.name} has boards and drives: real ports take one of both; use `bench`")
-    ways[0](machine, given)
+    return ways[0](machine, given)
 
 
-emulate: Final = command(EXAMPLES, work=run)(RobotOptions)
+def run(given: RobotOptions) -> None:
+    """Run `emulate ROBOT` with these options; an error ends the program with a message."""
+    emulation.run(given, start(given))
+
+
+emulate: Final = emulating(RobotOptions, EXAMPLES, start)

@@ -42,6 +42,7 @@ from fmu.plant import FmuPlant
 
 if TYPE_CHECKING:
     from emulators.cli.emulate_robot import RobotOptions
+    from emulators.cli.emulation import Emulation
 
 
 def _plans(order: BuildOrder) -> tuple[Plan, ...]:
@@ -182,10 +183,10 @@ def _bus(robot: AnyRobot, link: str) -> CanBus:
     return CanBus(table.bit_rate, table.bridge_node)
 
 
-def _on_ports(robot: AnyRobot, given: "RobotOptions") -> None:
+def _on_ports(robot: AnyRobot, given: "RobotOptions") -> "Emulation":
     from emulators.epos2.commands.robot import emulate_drives  # noqa: PLC0415 - a command's own
 
-    emulate_drives(robot, given)
+    return emulate_drives(robot, given)
 
 
 def _alone_faults() -> dict[str, str]:

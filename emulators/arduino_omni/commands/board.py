@@ -1,16 +1,17 @@
 """An Arduino with a motor shield at the command line: `emulate board`."""
 
 from dataclasses import dataclass, replace
-from pathlib import Path
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from emulators.arduino_omni.commands.line import LineOptions, checked, line_opened
+from emulators.cli.emulation import Emulation, emulating
 from emulators.cli.options import plant_file
-from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import one_message, refusal, say
-from firmware_bridge.cli.options import DurationOption, until
-from firmware_bridge.cli.recorded import RecordOption, recording
+from firmware_bridge.cli.options import DurationOption
+from firmware_bridge.cli.recorded import RecordOption
 from firmware_bridge.node import SERIAL
 from firmware_bridge.recording import device_side
 from firmware_bridge.runtime.black_box import SERIAL_LOG
@@ -33,7 +34,7 @@ EXAMPLES: Final = """Examples:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BoardOptions:
+class BoardOptions(LineOptions):
     """Put an Arduino Mega 2560 with an Adafruit Motor Shield V2 on a serial line, in real time.
 
     For developers of a client without a board at hand. It is on at once, and receives nothing for the boot
@@ -65,27 +66,6 @@ class BoardOptions:
             show_default="2000",
         ),
     ] = None
-    serial: Annotated[
-        str,
-        typer.Option(
-            metavar="pty|DEVICE", help="On a pseudo-terminal of this machine, or on a serial device."
-        ),
-    ] = "pty"
-    serial_link: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="PATH",
-            help="With --serial pty: a symbolic link to it, so that its name is always the same.",
-            show_default=False,
-        ),
-    ] = None
-    reset_on_open: Annotated[
-        bool,
-        typer.Option(
-            "--reset-on-open",
-            help="With --serial pty, on Linux: a client that opens it resets the board, as on a real one.",
-        ),
-    ] = False
     fault: Annotated[
         list[str] | None,
         typer.Option(
@@ -133,20 +113,17 @@ class BoardOptions:
 NOT_STOCK: Final = ", not stock"
 
 
-def run(given: BoardOptions) -> None:
-    """Run the command `emulate board`; an error ends the program with a message."""
+def start(given: BoardOptions) -> Emulation:
+    """Make the board of `emulate motor_shield`; an error ends the program with a message."""
     from emulators.arduino_omni.board import Board
     from emulators.arduino_omni.commands.reported import keeping_reported
     from emulators.arduino_omni.faults import FaultyBoard
     from emulators.arduino_omni.mega.mega import SketchError
     from emulators.arduino_omni.motors import SUPPLY_V
     from emulators.servo.seam import ServoError
-    from firmware_bridge.cli.links import open_serial
-    from firmware_bridge.cli.real_time import carry
-    from firmware_bridge.runtime.clock import LivedClock
-    from firmware_bridge.runtime.ports import PortError
     from fmu.errors import PlantError
 
+    checked(given)
     firmware = _firmware(given)
     encoders = firmware.encoders[0] if given.encoders is None else given.encoders
     plan = _plan(given)
@@ -161,21 +138,16 @@ def run(given: BoardOptions) -> None:
     keeping_reported(board.mega)
     stock = "" if encoders in firmware.stock else NOT_STOCK
     called = {SERIAL: device_side("board", given.firmware)}
-    with recording(given.record, {SERIAL: SERIAL_LOG}, called=called) as (around, _):
-        with one_message(PortError):
-            line = open_serial(
-                given.serial, firmware.baud, given.serial_link, reports_dtr=given.reset_on_open
-            )
-        carry(
-            around(FaultyBoard(board, plan)),
-            {SERIAL: lambda: line},
-            until(given.duration),
-            f"{firmware.title} ({encoders} encoders{stock}) on {line.name}: motors {', '.join(load.names)}",
-            PlantError,
-            ServoError,
-            SketchError,
-            clock=LivedClock(),
-        )
+    return Emulation(
+        node=FaultyBoard(board, plan),
+        opened=partial(line_opened, given, firmware.baud),
+        text=lambda where: (
+            f"{firmware.title} ({encoders} encoders{stock}) on {where}: motors {', '.join(load.names)}"
+        ),
+        errors=(PlantError, ServoError, SketchError),
+        files={SERIAL: SERIAL_LOG},
+        called=called,
+    )
 
 
 def _firmware(given: BoardOptions) -> "Firmware":
@@ -208,10 +180,6 @@ def _plan(given: BoardOptions) -> "list[Planned]":
             say(f"--fault {text}: is called {one.instead} now", err=True)
     if given.serial != WORD and any(one.fault is UNPLUGGED for one in plan):
         raise refusal(f"--fault {UNPLUGGED.name}: only --serial {WORD} has a cable that can be pulled")
-    if given.reset_on_open and given.serial != WORD:
-        raise refusal(
-            f"--reset-on-open: on {given.serial} the device itself decides; only --serial pty needs it"
-        )
     return plan
 
 
@@ -231,4 +199,4 @@ def _load(given: BoardOptions) -> "MotorLoad":
     return load if given.supply is None else replace(load, supply=None)
 
 
-emulate: Final = command(EXAMPLES, work=run)(BoardOptions)
+emulate: Final = emulating(BoardOptions, EXAMPLES, start)

@@ -3,9 +3,8 @@
 from functools import partial
 from typing import TYPE_CHECKING
 
+from emulators.cli.emulation import Emulation
 from firmware_bridge.cli.console import one_message
-from firmware_bridge.cli.options import until
-from firmware_bridge.cli.recorded import recording
 from firmware_bridge.families.ar2.settings import Ar2Link
 from firmware_bridge.node import SERIAL, Node
 from firmware_bridge.recording import device_side
@@ -13,12 +12,13 @@ from firmware_bridge.runtime.black_box import SERIAL_LOG
 
 if TYPE_CHECKING:
     from emulators.cli.emulate_robot import RobotOptions
+    from firmware_bridge.cli.links import Openers
     from firmware_bridge.robot import AnyRobot
     from firmware_bridge.runtime.ports import Port
 
 
-def emulate_boards(machine: "AnyRobot", given: "RobotOptions") -> None:
-    """Put a robot's boards on serial lines, with its plant at the shield's terminals, or on its pulses."""
+def emulate_boards(machine: "AnyRobot", given: "RobotOptions") -> Emulation:
+    """Make a robot's boards, with its plant at the shield's terminals, or on its pulses."""
     from emulators.arduino_omni.ar2.board import Ar2Board
     from emulators.arduino_omni.board import Board
     from emulators.arduino_omni.commands.reported import keeping_reported
@@ -28,12 +28,9 @@ def emulate_boards(machine: "AnyRobot", given: "RobotOptions") -> None:
     from emulators.gateway import Cluster
     from emulators.servo.bank import ServoError
     from firmware_bridge.cli.fitted import linked
-    from firmware_bridge.cli.real_time import carry
     from firmware_bridge.dissector import kinds_of
     from firmware_bridge.family import LinkOptions
     from firmware_bridge.robot import RobotFileError
-    from firmware_bridge.runtime.clock import LivedClock
-    from firmware_bridge.runtime.ports import PortError
     from fmu.errors import PlantError
 
     with one_message(RobotFileError, PlantError):
@@ -54,20 +51,22 @@ def emulate_boards(machine: "AnyRobot", given: "RobotOptions") -> None:
     files = {link: SERIAL_LOG if alone else f"{name}-{SERIAL_LOG}" for name, link in links.items()}
     kinds = kinds_of(machine)
     called = {link: device_side(name, kinds[name]) for name, link in links.items()}
-    with recording(given.record, files, called=called) as (around, _):
-        with one_message(PortError):
-            ports = {name: _line_of(machine, name, given, alone=alone) for name in links}
+    spoken_there = ", ".join(_spoken(machine, name) for name in links)
+
+    def opened() -> "tuple[Openers, str]":
+        ports = {name: _line_of(machine, name, given, alone=alone) for name in links}
         of_boards = (f"{'' if alone else f'{name} on '}{line.name}" for name, line in ports.items())
-        spoken_there = ", ".join(_spoken(machine, name) for name in links)
-        carry(
-            around(node),
-            {**{links[name]: partial(_same, line) for name, line in ports.items()}, **cameras.openers},
-            until(given.duration),
-            f"{machine.name} is on {', '.join((*of_boards, *cameras.where))}: {spoken_there}",
-            PlantError,
-            ServoError,
-            clock=LivedClock(),
-        )
+        lines: Openers = {links[name]: partial(_same, line) for name, line in ports.items()}
+        return {**lines, **cameras.openers}, ", ".join((*of_boards, *cameras.where))
+
+    return Emulation(
+        node=node,
+        opened=opened,
+        text=lambda where: f"{machine.name} is on {where}: {spoken_there}",
+        errors=(PlantError, ServoError),
+        files=files,
+        called=called,
+    )
 
 
 def _same(port: "Port") -> "Port":

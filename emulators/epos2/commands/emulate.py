@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from emulators.cli.emulation import Emulation, emulating
 from emulators.cli.options import LatencyOption, ParametersOption, plant_file
 from emulators.epos2.commands.options import ProfileOption, find_profile
 from emulators.epos2.objects.device_profile import BAUDS, BIT_RATES, DeviceProfile, realistic
 from emulators.servo.motor import MOTOR, SUPPLY_MV
-from firmware_bridge.cli.commands import command, completing
+from firmware_bridge.cli.commands import completing
 from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.options import (
     DurationOption,
-    until,
 )
 from firmware_bridge.cli.outside import Outside
-from firmware_bridge.cli.recorded import RecordOption, recording
+from firmware_bridge.cli.recorded import RecordOption
 from firmware_bridge.families.epos2.maxon.frame import Generation
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.recording import device_side
@@ -187,8 +187,8 @@ class DrivesOptions(Outside):
 DEFAULT_BIT_RATE: Final = 1_000_000
 
 
-def run(given: DrivesOptions) -> None:
-    """Run the command `emulate epos2`; an error ends the program with a message."""
+def start(given: DrivesOptions) -> Emulation:
+    """Make the drives of `emulate epos2`; an error ends the program with a message."""
     from emulators.canopen.saved_parameters import StorageError
     from emulators.cli.watched import RollCalled, duplicates_reported
     from emulators.epos2.commands.links import drives_opened
@@ -198,8 +198,6 @@ def run(given: DrivesOptions) -> None:
     from emulators.servo.bank import ServoError
     from firmware_bridge.cli.links import on_the_line
     from firmware_bridge.cli.node_numbers import numbers
-    from firmware_bridge.cli.real_time import carry
-    from firmware_bridge.runtime.clock import LivedClock
     from fmu.errors import PlantError
 
     nodes = numbers(given.node)
@@ -240,17 +238,17 @@ def run(given: DrivesOptions) -> None:
     cluster = Cluster(made, bank, links={owner: {CAN: CAN, SERIAL: SERIAL}})
     called = {SERIAL: device_side(f"node-{near}", SERIAL)}
     places = [(CAN, node) for node in nodes]
-    with recording(given.record, {CAN: CAN_LOG, SERIAL: SERIAL_LOG}, called=called) as (around, _):
-        openers, where = drives_opened(given, given.protocol, baud_of(made[owner]), DEFAULT_BIT_RATE)
-        carry(
-            RollCalled(around(duplicates_reported(cluster, places)), places),
-            openers,
-            until(given.duration),
-            f"{order.profile.name} on {where}: node {given.node}{line}; {_text(mounted, plant)}",
-            PlantError,
-            ServoError,
-            clock=LivedClock(),
-        )
+    return Emulation(
+        node=duplicates_reported(cluster, places),
+        opened=lambda: drives_opened(given, given.protocol, baud_of(made[owner]), DEFAULT_BIT_RATE),
+        text=lambda where: (
+            f"{order.profile.name} on {where}: node {given.node}{line}; {_text(mounted, plant)}"
+        ),
+        errors=(PlantError, ServoError),
+        files={CAN: CAN_LOG, SERIAL: SERIAL_LOG},
+        called=called,
+        around=lambda node: RollCalled(node, places),
+    )
 
 
 def _axes(plant: Path | None, count: int) -> tuple[str, ...]:
@@ -368,4 +366,4 @@ def _commissioned(file: Path) -> "Mapping[Address, int]":
     return {address: value for address, value in found.items() if is_parameter(ANY_TYPE[address])}
 
 
-emulate: Final = command(EXAMPLES, work=run)(DrivesOptions)
+emulate: Final = emulating(DrivesOptions, EXAMPLES, start)

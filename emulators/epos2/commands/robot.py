@@ -3,10 +3,9 @@
 import re
 from typing import TYPE_CHECKING
 
+from emulators.cli.emulation import Emulation
 from emulators.cli.options import parameter_file
 from firmware_bridge.cli.console import one_message, refusal, say
-from firmware_bridge.cli.options import until
-from firmware_bridge.cli.recorded import recording
 from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.recording import device_side
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
 
     from emulators.canopen.saved_parameters import Storage
     from emulators.cli.emulate_robot import RobotOptions
+    from emulators.family import Beside
     from firmware_bridge.cli.links import Openers
     from firmware_bridge.cli.places import BusAddress
     from firmware_bridge.families.epos2.maxon.frame import Generation
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from firmware_bridge.runtime.ports import Port
 
 
-def emulate_drives(machine: "AnyRobot", given: "RobotOptions") -> None:
-    """Put a robot's drives on a bus, a serial line, or both."""
+def emulate_drives(machine: "AnyRobot", given: "RobotOptions") -> Emulation:
+    """Make a robot's drives, for a bus, a serial line, or both."""
     from emulators.canopen.saved_parameters import StorageError
     from emulators.cli.beginning import report_beginning
     from emulators.cli.beside import beside_of
@@ -38,9 +38,7 @@ def emulate_drives(machine: "AnyRobot", given: "RobotOptions") -> None:
     from emulators.gateway import Cluster
     from emulators.servo.bank import ServoError
     from firmware_bridge.cli.links import on_the_line
-    from firmware_bridge.cli.real_time import carry
     from firmware_bridge.robot import RobotFileError
-    from firmware_bridge.runtime.clock import LivedClock
     from fmu.errors import PlantError
 
     protocol = _generation(given.protocol)
@@ -77,17 +75,15 @@ def emulate_drives(machine: "AnyRobot", given: "RobotOptions") -> None:
     files = dict.fromkeys((CAN, *machine.links), CAN_LOG) | {SERIAL: SERIAL_LOG}
     called = {SERIAL: device_side(owner, SERIAL)}
     places = [(outer[axis.name][CAN], Epos2Axis.of(axis).node) for axis in machine.axes]
-    with recording(given.record, files, called=called) as (around, _):
-        openers, where = _outside(machine, baud_of(drives[owner]), given)
-        carry(
-            RollCalled(around(duplicates_reported(cluster, places)), places),
-            {**openers, **cameras.openers},
-            until(given.duration),
-            f"{machine.name} is on {', '.join((where, *cameras.where))}: {nodes}",
-            PlantError,
-            ServoError,
-            clock=LivedClock(),
-        )
+    return Emulation(
+        node=duplicates_reported(cluster, places),
+        opened=lambda: _outside(machine, baud_of(drives[owner]), given, cameras),
+        text=lambda where: f"{machine.name} is on {where}: {nodes}",
+        errors=(PlantError, ServoError),
+        files=files,
+        called=called,
+        around=lambda node: RollCalled(node, places),
+    )
 
 
 def _generation(spoken: str | None) -> "Generation | None":
@@ -115,19 +111,23 @@ def _storage(axis: "Axis", given: "RobotOptions") -> "Storage":
     return Commissioned({row.address: row.value for row in commissioned(axis)}, kept)
 
 
-def _outside(machine: "AnyRobot", baud: int, given: "RobotOptions") -> "tuple[Openers, str]":
+def _outside(
+    machine: "AnyRobot", baud: int, given: "RobotOptions", beside: "Beside"
+) -> "tuple[Openers, str]":
     """Return what opens each link, and the text that names them."""
     from emulators.epos2.commands.links import drives_opened
     from firmware_bridge.cli.places import BusAddress, places_of
 
-    single = len(Epos2Link.all_of(machine)) == 1
-    if single and not given.link:
-        return drives_opened(
-            given, _generation(given.protocol), baud, next(iter(Epos2Link.all_of(machine).values())).bit_rate
-        )
-    places = places_of(machine, given.link, BusAddress(given.interface, given.channel, given.serial))
-    openers = {CAN if single else name: _opener(machine, name, place) for name, place in places.items()}
-    return openers, ", ".join(f"{place.title} ({name})" for name, place in places.items())
+    links = Epos2Link.all_of(machine)
+    if len(links) == 1 and not given.link:
+        (link,) = links.values()
+        openers, where = drives_opened(given, _generation(given.protocol), baud, link.bit_rate)
+    else:
+        places = places_of(machine, given.link, BusAddress(given.interface, given.channel, given.serial))
+        single = len(links) == 1
+        openers = {CAN if single else name: _opener(machine, name, place) for name, place in places.items()}
+        where = ", ".join(f"{place.title} ({name})" for name, place in places.items())
+    return {**openers, **beside.openers}, ", ".join((where, *beside.where))
 
 
 def _opener(machine: "AnyRobot", name: str, place: "BusAddress") -> "Callable[[], Port]":

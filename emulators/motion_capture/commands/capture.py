@@ -7,11 +7,11 @@ from typing import Annotated, Final
 
 import typer
 
+from emulators.cli.emulation import Emulation, emulating
 from emulators.motion_capture.bodies import Circling, TrackedBody
 from emulators.motion_capture.exposure import Cameras, Hidden, Lost, Swapped, Up
-from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import one_message, refusal
-from firmware_bridge.cli.options import DurationOption, until
+from firmware_bridge.cli.options import DurationOption
 from firmware_bridge.families.motion_capture.wire.layout import NatNetError, Version
 from firmware_bridge.families.motion_capture.wire.messages import COMMAND_PORT, DATA_PORT
 from firmware_bridge.units import Nanoseconds, from_seconds
@@ -86,13 +86,11 @@ _ASIDE: Final = (0.3, 0.0, 0.0)
 _SPAN: Final = re.compile(r"(?P<name>.+)@(?P<begin>\d+(\.\d+)?)-(?P<end>\d+(\.\d+)?)")
 
 
-def run(given: CaptureOptions) -> None:
-    """Run the command `emulate capture`; an error ends the program with a message."""
+def start(given: CaptureOptions) -> Emulation:
+    """Make the system of `emulate motion_capture`; an error ends the program with a message."""
     import numpy as np
 
     from emulators.motion_capture.system import COMMAND, DATA, MotionCapture, Timing
-    from firmware_bridge.cli.real_time import carry
-    from firmware_bridge.runtime.clock import LivedClock
     from firmware_bridge.runtime.ports import PortError, UdpPort
 
     bodies = bodies_named(given.body or ["robot"])
@@ -113,13 +111,13 @@ def run(given: CaptureOptions) -> None:
         system.hide(Hidden(body, begin, end))
     for body, begin, end in _spans("--swap", given.swap, bodies):
         system.hide(Swapped(body, begin, end, aside=_ASIDE))
-    carry(
-        system,
-        {COMMAND: lambda: command, DATA: lambda: data},
-        until(given.duration),
-        f"NatNet {system.server.version} at {given.host}:{command.port}, frames from port {data.port}:"
-        f" {', '.join(f'{body.id} {body.name}' for body in bodies)}",
-        clock=LivedClock(),
+    return Emulation(
+        node=system,
+        opened=lambda: ({COMMAND: lambda: command, DATA: lambda: data}, f"{given.host}:{command.port}"),
+        text=lambda where: (
+            f"NatNet {system.server.version} at {where}, frames from port {data.port}: "
+            f"{', '.join(f'{body.id} {body.name}' for body in bodies)}"
+        ),
     )
 
 
@@ -152,4 +150,4 @@ def _spans(
         yield numbers[match["name"]], from_seconds(float(match["begin"])), from_seconds(float(match["end"]))
 
 
-emulate: Final = command(EXAMPLES, work=run)(CaptureOptions)
+emulate: Final = emulating(CaptureOptions, EXAMPLES, start)

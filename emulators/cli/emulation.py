@@ -1,0 +1,78 @@
+"""The common part of all `emulate`: devices as one node, their ports, recording, and the run in real time."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol, TypeVar
+
+from typer.core import TyperCommand
+
+from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import one_message, say
+from firmware_bridge.cli.options import until
+from firmware_bridge.cli.recorded import recording
+from firmware_bridge.node import Node
+
+if TYPE_CHECKING:
+    from firmware_bridge.cli.links import Openers
+
+Options = TypeVar("Options", bound="RunOptions")
+
+
+class RunOptions(Protocol):
+    """The options of every `emulate`."""
+
+    @property
+    def duration(self) -> float | None:
+        """Time in s after which it ends; None: on Ctrl-C."""
+
+
+def _itself(node: Node) -> Node:
+    return node
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Emulation:
+    """Emulated devices, ready to run."""
+
+    node: Node
+    """All of them; what is recorded is what it receives and sends."""
+    opened: "Callable[[], tuple[Openers, str]]"
+    """Open what is named at once; return the links' openers, and how these are called. PortError."""
+    text: Callable[[str], str]
+    """Describe them, with what `opened` has called its links."""
+    errors: tuple[type[Exception], ...] = ()
+    """Errors of the run that end the program with one message."""
+    files: Mapping[str, str] = field(default_factory=dict)
+    """Files of a recording, by the links."""
+    called: Mapping[str, str] = field(default_factory=dict)
+    """Names of links in a recording, where they are not the links' own."""
+    around: Callable[[Node], Node] = _itself
+    """Put what is not recorded around the recorded node."""
+    ended: Callable[[], str] | None = None
+    """Describe what is left at the end; None for nothing."""
+
+
+def run(given: RunOptions, emulation: Emulation) -> None:
+    """Run emulated devices in real time; an error ends the program with a message."""
+    from firmware_bridge.cli.real_time import carry
+    from firmware_bridge.runtime.clock import LivedClock
+    from firmware_bridge.runtime.ports import PortError
+
+    with recording(getattr(given, "record", None), emulation.files, called=emulation.called) as (around, _):
+        with one_message(PortError):
+            openers, where = emulation.opened()
+        carry(
+            emulation.around(around(emulation.node)),
+            openers,
+            until(given.duration),
+            emulation.text(where),
+            *emulation.errors,
+            clock=LivedClock(),
+        )
+    if emulation.ended is not None:
+        say(emulation.ended())
+
+
+def emulating(options: type[Options], examples: str, start: Callable[[Options], Emulation]) -> TyperCommand:
+    """Make `emulate FAMILY` of the family's options, and of what makes its devices from them."""
+    return command(examples, work=lambda given: run(given, start(given)))(options)
