@@ -5,12 +5,12 @@ Sources: EPOS Firmware Specification and maxon's command library for Controlword
 
 from typing import Final, NamedTuple
 
-from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.canopen.cia402 import PowerState
+from firmware_bridge.canopen.objects import TARGET_POSITION, TARGET_VELOCITY
 from firmware_bridge.robot import CommandForm
 
-TARGET: Final = {CommandForm.SPEED: od.TARGET_VELOCITY, CommandForm.POSITION: od.TARGET_POSITION}
+TARGET: Final = {CommandForm.SPEED: TARGET_VELOCITY, CommandForm.POSITION: TARGET_POSITION}
 TARGET_UNIT: Final = {CommandForm.SPEED: "rpm", CommandForm.POSITION: "qc"}
 
 NEW_SET_POINT: Final = 0x003F
