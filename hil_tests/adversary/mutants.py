@@ -36,7 +36,7 @@ TARGETS: Final = (
     "bridge/power_down",
     "bridge/pipeline",
     "bridge/bridge",
-    "drivers/epos2/scale",
+    "families/epos2/driver/scale",
     "motion/ramp",
     "robots/rars/rules",
     "robots/rars/kinematics",
