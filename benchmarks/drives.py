@@ -8,7 +8,6 @@ from typing import Final
 
 from emulators.epos2.drive import Epos2
 from emulators.epos2.mounted import PULSES
-from emulators.epos2.single import QUADRATURE
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.wires import CanWire
@@ -20,7 +19,7 @@ from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.units import MILLISECOND, QUADCOUNTS_PER_LINE, SECOND, Nanoseconds
 from hil_tests.unit.servo.side_by_side import Motors
 
 BIT_RATE: Final = 1_000_000
@@ -131,7 +130,7 @@ def crowd(
     cycle: Cycle | None = None,
 ) -> Crowd:
     """Put so many drives onto a bus, above motors in C where that library is given, and run them in."""
-    axes = [ServoAxis(f"motor{node}", QUADRATURE * PULSES) for node in range(1, count + 1)]
+    axes = [ServoAxis(f"motor{node}", QUADCOUNTS_PER_LINE * PULSES) for node in range(1, count + 1)]
     bank = None if motors is None else ServoBank(Motors(motors, count=count), axes, supply=3 * count)
     world, wire = World(bank), CanWire(BIT_RATE)
     master = Master(set_up(count, heartbeat_ms), cycle or partial(exchange, count), every)

@@ -1,6 +1,6 @@
 """The emulated half of a robot: the devices of all its links above one plant, on the bench or real ports."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from emulators.family import BuildOrder, Devices, EmulatedFamily, Observed, Plan, Station, families_of
@@ -21,6 +21,7 @@ def devices(
     realistic_latency: bool = False,
     on_bench: bool = False,
     on_lines: bool = True,
+    report: Callable[[str], None] | None = None,
     options: Sequence[object] = (),
 ) -> Devices:
     """Build a robot's devices above its plant; PlantError where the plant cannot be used.
@@ -42,6 +43,7 @@ def devices(
         realistic_latency=realistic_latency,
         on_bench=on_bench,
         on_lines=on_lines,
+        report=report,
         options=tuple(options),
     )
     families = families_of(robot)

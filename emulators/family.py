@@ -46,6 +46,8 @@ class BuildOrder:
     """True if each link has one wire; on real ports a device may have several of its own."""
     on_lines: bool = True
     """False if devices with a bus of their own are on it alone, whatever the robot file has."""
+    report: Callable[[str], None] | None = None
+    """Take what a client has set up otherwise than it is mounted; None: no one looks at it."""
     options: tuple[object, ...] = ()
     """The families' own options, each of a class of its family."""
 

@@ -9,7 +9,7 @@ import csv
 import tomllib
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Final, Literal
+from typing import Annotated, Final, Literal, TypeAlias
 
 from pydantic import Field, ValidationError
 
@@ -19,6 +19,10 @@ from fmu.parts.catalogue import RE25, RE40, RE50, MotorSheet
 
 FILE: Final = Path(__file__).with_name("motors.csv")
 MOST_SHOWN: Final = 12
+
+
+MotorType: TypeAlias = Literal["dc", "ec"]
+"""Brushed, or with three phases."""
 
 
 class MotorError(Exception):
@@ -35,7 +39,7 @@ class Motor(Table):
     rotor_inertia_kg_m2: Positive
     no_load_current_a: Positive
     continuous_current_a: Positive
-    kind: Literal["dc", "ec"] = "dc"
+    kind: MotorType = "dc"
     """Brushed, or with three phases and hall sensors, as the DC motor that it is equivalent to."""
     pole_pairs: Annotated[int | None, Field(ge=1, le=255)] = None
     """Number of pole pairs; None where no source gives it."""

@@ -1,10 +1,12 @@
 """The EPOS2 as a family of emulated devices: drives above a plant, their CAN bus and their serial line."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from emulators.epos2.drive import Epos2
+from emulators.epos2.mounted import Comparison, Mounted
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import DeviceProfile, numbered, realistic
 from emulators.epos2.options import Epos2Options
@@ -55,24 +57,34 @@ def _built(order: BuildOrder, plant: FmuPlant, _leads: bool) -> Built:  # noqa: 
     robot, options = order.robot, order.option(Epos2Options) or Epos2Options()
     _have_switches(robot, plant)
     axes = _axes(robot)
-    servos = [ServoAxis(axis.name, Epos2Axis.of(axis).quadcounts_per_turn) for axis in axes]
-    for servo in servos:
+    mounted = [Mounted.of(Epos2Axis.of(axis)) for axis in axes]
+    servos = [ServoAxis(axis.name, one.counts) for axis, one in zip(axes, mounted, strict=True)]
+    for servo, one in zip(servos, mounted, strict=True):
+        one.mount(servo)
         set_motor(plant, servo)
     bank = fmu_bank(plant, servos, plant.output_names.index(SUPPLY), _supply_input(robot), _turned(robot))
     serial = options.serial
     if serial is None:
         serial = _served(robot) if order.on_lines else {}
     stations: dict[str, Station] = {}
-    for axis, servo in zip(axes, servos, strict=True):
+    for axis, servo, one in zip(axes, servos, mounted, strict=True):
         name, node = axis.name, Epos2Axis.of(axis).node
         profile = _profile(axis, realistic_latency=order.realistic_latency)
         storage = options.storages.get(name)
         if name in serial:
             drive: Epos2 = SerialEpos2(node, servo, profile, generation=serial[name], storage=storage)
-            stations[name] = Station(drive, axis.link, {CAN: Way.BUS, SERIAL: Way.LINE})
         else:
-            stations[name] = Station(Epos2(node, servo, profile, storage=storage), axis.link, {CAN: Way.BUS})
+            drive = Epos2(node, servo, profile, storage=storage)
+        ways = {CAN: Way.BUS, **({SERIAL: Way.LINE} if name in serial else {})}
+        stations[name] = Station(drive, axis.link, ways)
+        if order.report is not None:
+            # It hooks the store, which keeps it alive.
+            Comparison(one, drive.store, partial(_named, name, order.report))
     return Built(stations, bank)
+
+
+def _named(name: str, report: Callable[[str], None], text: str) -> None:
+    report(f"'{name}': {text}")
 
 
 def _axes(robot: AnyRobot) -> list[Axis]:

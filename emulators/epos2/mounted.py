@@ -7,11 +7,11 @@ none of them; a motor with three phases at one that is set up for a brushed moto
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, Self
 
 from emulators.canopen.object_store import ObjectStore
 from emulators.epos2.control.sensing import BRUSHLESS, WITH_INDEX
-from emulators.motors import Motor
+from emulators.motors import Motor, MotorType
 from emulators.servo.axis import ServoAxis
 from emulators.servo.motor import MOTOR, DcMotor
 from emulators.servo.sensors import HALL_LINES, HALL_LOW, INDEX_MISSING
@@ -19,7 +19,9 @@ from emulators.servo.winding import set_winding
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import ControlwordCommand, command_of
+from firmware_bridge.families.epos2.settings import BRUSHED, Epos2Axis
 from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.units import QUADCOUNTS_PER_LINE
 
 POLE_PAIRS: Final = Address(0x6410, 3)
 PULSES: Final = 500
@@ -27,6 +29,18 @@ PULSES: Final = 500
 NO_TORQUE: Final = 1e-9
 """The constant of a motor that turns no current into torque, N m/A: 0 would divide."""
 UNKNOWN: Final = f"no particular motor ({MOTOR.torque_constant:g} N m/A, {MOTOR.resistance:g} Ohm)"
+
+
+class Named(NamedTuple):
+    """Where a user gives what is mounted: options, or keys of a robot file."""
+
+    encoder: str = "--encoder"
+    motor: str = "--motor"
+    pole_pairs: str = "--pole-pairs"
+
+
+OPTIONS: Final = Named()
+KEYS: Final = Named("encoder_lines", "motor_type", "pole_pairs")
 
 
 class ShaftLoad(NamedTuple):
@@ -41,7 +55,9 @@ class Mounted:
     """Equipment of one drive."""
 
     motor: Motor | None = None
-    """The motor; None: no particular one, with which every motor type is right."""
+    """The motor; None: no particular one, or one whose data the plant has."""
+    type: MotorType | None = None
+    """Whether it is brushed; None: as the motor, and without one every motor type is right."""
     pulses: int = PULSES
     """Pulses of the encoder at the motor's shaft, in one turn."""
     index: bool = True
@@ -52,8 +68,29 @@ class Mounted:
     """Turns of the motor for one of the load."""
     gear_inertia: float = 0.0
     """Inertia of the gear at the motor's shaft, kg m2."""
+    named: Named = OPTIONS
     load: ShaftLoad | None = None
     """Load at the output of the gear; without a motor at its shaft, the rotor's own included."""
+
+    @classmethod
+    def of(cls, settings: Epos2Axis) -> Self:
+        """Return what a robot file has at a drive; the plant has the data of its motor, gear and load."""
+        return cls(
+            type="dc" if settings.motor_type == BRUSHED else "ec",
+            pulses=settings.encoder_lines,
+            pole_pairs=settings.pole_pairs,
+            named=KEYS,
+        )
+
+    @property
+    def kind(self) -> MotorType | None:
+        """Whether the motor is brushed; None: unknown."""
+        return self.type if self.motor is None else self.motor.kind
+
+    @property
+    def counts(self) -> int:
+        """Counts of the encoder in one turn: edges of both channels."""
+        return QUADCOUNTS_PER_LINE * self.pulses
 
     @property
     def pairs(self) -> int:
@@ -99,7 +136,7 @@ class Mounted:
         """Put all of it at an axis that was made for this encoder."""
         if not self.index:
             axis.sensor_faults |= INDEX_MISSING
-        if self.motor is not None and self.motor.kind == "dc":
+        if self.kind == "dc":
             # A brushed motor has no hall sensors: its three lines
             # show one level, which the drive takes for a fault.
             axis.sensor_faults |= HALL_LINES << HALL_LOW
@@ -110,18 +147,18 @@ class Mounted:
         """Yield what a client has set up otherwise than it is mounted; `get` reads an object."""
         pulses, sensor, kind = get(at.ENCODER_PULSES), get(at.SENSOR_TYPE), get(od.MOTOR_TYPE)
         if pulses != self.pulses:
-            yield f"0x2210:1 is {pulses} pulses, the mounted encoder has {self.pulses} (--encoder)"
+            yield f"0x2210:1 is {pulses} pulses, the mounted encoder has {self.pulses} ({self.named.encoder})"
         if sensor in WITH_INDEX and not self.index:
-            yield f"0x2210:2 is {sensor}, with index; the mounted encoder has none (--encoder)"
-        if self.motor is None:
+            yield f"0x2210:2 is {sensor}, with index; the mounted encoder has none ({self.named.encoder})"
+        if self.kind is None:
             return
         brushless = kind in BRUSHLESS
-        if brushless != (self.motor.kind == "ec"):
-            mounted = "an EC motor is mounted" if self.motor.kind == "ec" else "a brushed motor is mounted"
-            yield f"0x6402 is motor type {kind}, {mounted} (--motor)"
+        if brushless != (self.kind == "ec"):
+            mounted = "an EC motor is mounted" if self.kind == "ec" else "a brushed motor is mounted"
+            yield f"0x6402 is motor type {kind}, {mounted} ({self.named.motor})"
         elif brushless and self.pairs and get(POLE_PAIRS) != self.pairs:
-            given_pairs = get(POLE_PAIRS)
-            yield f"0x6410:3 is {given_pairs} pole pairs, the mounted motor has {self.pairs} (--pole-pairs)"
+            given, where = get(POLE_PAIRS), self.named.pole_pairs
+            yield f"0x6410:3 is {given} pole pairs, the mounted motor has {self.pairs} ({where})"
 
 
 class Comparison:
@@ -154,7 +191,7 @@ class Torque:
         self._mounted = mounted
         self._axis = axis
         self._becomes = becomes
-        if mounted.motor is not None and mounted.motor.kind == "ec":
+        if mounted.motor is not None and mounted.kind == "ec":
             store.on_write(od.MOTOR_TYPE, self._take)
             self._take(store.get(od.MOTOR_TYPE))
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
 
 from emulators.canopen.saved_parameters import Volatile
 from emulators.epos2.drive import Epos2
@@ -24,9 +23,6 @@ from emulators.servo.winding import set_winding
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.families.epos2.maxon.frame import Generation
 from fmu.plant import FmuPlant
-
-QUADRATURE: Final = 4
-"""Edges of both channels for each pulse."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +69,7 @@ def drives(
         if order.plant is None
         else load_plant(order.plant, [axis_needs(names)], order.plant_parameters)
     )
-    axes = [ServoAxis(name, QUADRATURE * order.mounted.pulses, supply_mv=order.supply_mv) for name in names]
+    axes = [ServoAxis(name, order.mounted.counts, supply_mv=order.supply_mv) for name in names]
     for axis in axes:
         order.mounted.mount(axis)
         if isinstance(plant, FmuPlant):

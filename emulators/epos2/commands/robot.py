@@ -53,6 +53,7 @@ def emulate_drives(machine: "AnyRobot", given: "RobotOptions") -> Emulation:
             machine,
             given.plant,
             realistic_latency=given.realistic_latency,
+            report=say,
             options=(
                 Epos2Options(
                     serial={} if given.serial is None else {owner: protocol},

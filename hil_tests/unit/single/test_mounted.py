@@ -6,7 +6,9 @@ from typing import Final, NamedTuple
 import pytest
 from typer.testing import CliRunner
 
+from emulators.devices import devices
 from emulators.epos2.documents.eds import dcf
+from emulators.epos2.drive import Epos2
 from emulators.epos2.mounted import Mounted, ShaftLoad
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
@@ -19,10 +21,12 @@ from emulators.world import World
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.cli import program
+from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.families.epos2.wire.differences import ANY_TYPE
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot_types import find
 from firmware_bridge.runtime.data_sheets import SheetError, configured
 from firmware_bridge.units import SECOND
 from hil_tests.rows import every
@@ -88,6 +92,19 @@ def test_a_wrong_pulse_number_is_found_by_the_index_and_named_by_the_console() -
         assert came.warnings == [
             f"node 1: 0x2210:1 is {written} pulses, the mounted encoder has {mounted} (--encoder)"
         ]
+
+
+def test_a_robot_s_drive_has_the_encoder_and_the_motor_of_the_robot_file() -> None:
+    warnings: list[str] = []
+    robot = find("rars")
+    emulated = devices(robot, report=warnings.append)
+    drive, lines = emulated.nodes(Epos2)["left"], Epos2Axis.of(robot.axes[0]).encoder_lines
+    for address, value in ((at.ENCODER_PULSES, lines + 1), (od.MOTOR_TYPE, 10), (od.CONTROLWORD, 0x000F)):
+        drive.store.write(address, EPOS2_70_10.objects[address].type.encode(value))
+    (text,) = warnings
+    assert text.startswith(f"'left': 0x2210:1 is {lines + 1} pulses, the mounted encoder has {lines} ")
+    assert text.endswith("(encoder_lines); 0x6402 is motor type 10, a brushed motor is mounted (motor_type)")
+    emulated.plant.close()
 
 
 def test_without_an_index_a_wrong_pulse_number_is_a_wrong_speed() -> None:
