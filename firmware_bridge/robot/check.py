@@ -5,7 +5,7 @@ The check reads the raw tables, so that these mistakes are reported together wit
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 
-from firmware_bridge.family import families
+from firmware_bridge.family import families, unloadable
 from firmware_bridge.robot import raw
 from firmware_bridge.robot.family_tables import Kind, table_of, words
 from firmware_bridge.robot.problems import Problem, near, nearest
@@ -27,6 +27,7 @@ def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
     if isinstance(table.get("axes"), list):
         yield from _roles(axes, roles)
     for name, link in links.items():
+        yield from _known(name, link)
         yield from _used(name, (*axes, *sensors))
         yield from _in_time(name, link, table.get("cycle_ms"))
         yield from _stopping(name, link, axes, roles)
@@ -40,6 +41,13 @@ def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
     if all(isinstance(name, str) and names.count(name) == 1 for name in names):
         yield from _guarded(table, axes)
         yield from _homed(axes)
+
+
+def _known(name: str, link: Raw) -> Iterator[Problem]:
+    """Give why installed families cannot be loaded, where a link's driver is not known: it may be of one."""
+    if str(link.get("driver")) not in words("link"):
+        for family, why in unloadable().items():
+            yield Problem(f"links.{name}.driver", f"the family '{family}' {why}")
 
 
 def _used(name: str, rows: Iterable[Raw]) -> Iterator[Problem]:
