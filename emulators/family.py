@@ -306,10 +306,22 @@ class EmulatedFamily:
 
 
 @cache
+def _loaded() -> tuple[Mapping[str, EmulatedFamily], tuple[str, ...]]:
+    """Return the installed families by their names, and why others cannot be loaded."""
+    found: dict[str, EmulatedFamily] = {}
+    broken: list[str] = []
+    for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
+        # One broken package must not hide the devices of the others.
+        try:
+            found[entry.name] = entry.load()
+        except Exception as error:  # noqa: BLE001 - whatever a package raises
+            broken.append(f"'{entry.name}' cannot be loaded: {type(error).__name__}: {error} ({entry.value})")
+    return found, tuple(broken)
+
+
 def families() -> Mapping[str, EmulatedFamily]:
     """Return the installed families by their names, in alphabetical order."""
-    entries = sorted(entry_points(group=GROUP), key=lambda entry: entry.name)
-    return {entry.name: entry.load() for entry in entries}
+    return _loaded()[0]
 
 
 def family_of(robot: AnyRobot, link: str) -> EmulatedFamily:
@@ -318,7 +330,8 @@ def family_of(robot: AnyRobot, link: str) -> EmulatedFamily:
     for family in families().values():
         if isinstance(table, family.links):
             return family
-    problem = f"'{table.driver.value}' is not emulated: no installed package has a family for it ({GROUP})"
+    missing = f"no installed package has a family for it ({GROUP})"
+    problem = "; ".join((f"'{table.driver.value}' is not emulated: {missing}", *_loaded()[1]))
     raise RobotFileError(robot.name, Problem(f"links.{link}.driver", problem))
 
 

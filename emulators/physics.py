@@ -4,7 +4,7 @@ One of them leads: it steps the plant. Where others follow, all go on in turns: 
 others, whose commands count from the plant's next step on.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Final, Protocol
 
 from firmware_bridge.units import Nanoseconds
@@ -34,6 +34,34 @@ class Actuators(Protocol):
 
     def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
         """Move on, as `emulators.world.Physics` does; one that follows raises no events."""
+
+
+class SteppedPlant(Protocol):
+    """A plant, or the part of one that a device has, as its actuators step it."""
+
+    def step(self) -> None:
+        """Advance one step; a part that follows does nothing."""
+
+
+class SteppedActuators:
+    """Actuators of a device that acts in each step of the plant: `act`, then the step."""
+
+    def __init__(
+        self, axes: Sequence[Motor], act: Callable[[], None], plant: SteppedPlant, every: Nanoseconds
+    ) -> None:
+        self.axes: Final = axes
+        self._act: Final = act
+        self._plant: Final = plant
+        self._every: Final = every
+        self._reached: Nanoseconds = 0
+
+    def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
+        """Move on by whole steps; the device requests its own wake when it has something to send."""
+        while self._reached + self._every <= until:
+            self._act()
+            self._plant.step()
+            self._reached += self._every
+        return until, ()
 
 
 class Physics:

@@ -30,6 +30,7 @@ GATE: Final = (
 PACKAGES: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("safety/guard/guard", (*GUARD, *LINES, *ACROSS)),
     ("safety/guard/across_axes", ACROSS),
+    ("safety/guard/one_axis", ("safety/test_guard_one_axis",)),
     ("families/epos2/guard/bounds", ("safety/test_guard_bounds",)),
     ("families/epos2/guard/serial", (*LINES, "safety/test_guard_reports", *ACROSS, "safety/test_guard_zero")),
     ("families/motion_capture/guard", ("safety/test_guard_capture",)),
@@ -67,6 +68,7 @@ PACKAGES: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("drivers/*stop*", ("unit/bridge/*", "unit/drivers/*")),
     ("families/epos2/driver/*", ("unit/drivers/*", "unit/serial_drive/*")),
     ("canopen/sdo_client", ("unit/drivers/*", "unit/serial_drive/*")),
+    ("drivers/request_line", ("unit/drivers/test_request_line",)),
     ("drivers/*", ("unit/drivers/*", "unit/serial_drive/*")),
     ("motion/model", ("unit/motion/test_model", "unit/pilot/test_predictor")),
     ("motion/*", ("unit/motion/*",)),
@@ -85,8 +87,8 @@ PACKAGES: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
 """Modules of `firmware_bridge` or an example, and files of `hil_tests`; what stands first counts."""
 SLOW: Final = ("*_property", "*_imports", "*_machine", "*_garbage", "*_emulated_*", "*/test_any_sender")
 """Files that never count: one of them takes as long as all others of its room."""
-NONE: Final = ("diff_drive/plant/*", "diff_drive/bench_setup", "diff_drive/cases")
-"""The bench's half of an example."""
+NONE: Final = ("diff_drive/plant/*", "diff_drive/bench_setup", "diff_drive/cases", "toy_drive/*")
+"""The bench's half of an example, and an example that is made up."""
 
 
 def targets() -> Iterator[str]:

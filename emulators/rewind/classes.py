@@ -29,7 +29,13 @@ from emulators.rewind.capture import (
     slots_capture,
     slots_of,
 )
-from emulators.rewind.compiled import attributes_of, compiled_capture, function_parts, is_compiled
+from emulators.rewind.compiled import (
+    attributes_of,
+    compiled_base,
+    compiled_capture,
+    function_parts,
+    is_compiled,
+)
 from firmware_bridge.immutable import Immutable
 from firmware_bridge.packet import Packet, Reaction
 
@@ -113,19 +119,24 @@ def _thing(cls: type) -> Treatment:
     captures = [capture for base, capture in CAPTURES if issubclass(cls, base)]
     if not captures and is_compiled(cls):
         return Treatment(captures=(compiled_capture(cls),)) if attributes_of(cls) else Treatment(plain=True)
-    if not captures and _hides_state(cls):
-        return Treatment()
+    if not captures:
+        # A package's class may extend a compiled one: that one's part is listed, and the rest is Python's.
+        base = compiled_base(cls) or object
+        if _hides_state(cls, base):
+            return Treatment()
+        if base is not object and attributes_of(base):
+            captures.append(compiled_capture(base))
     if slots_of(cls):
         captures.append(slots_capture(cls))
     attributes = cls.__dictoffset__ != 0
     return Treatment(plain=not captures and not attributes, captures=tuple(captures), attributes=attributes)
 
 
-def _hides_state(cls: type) -> bool:
-    """Return whether an instance has more memory than Python's object, slots and pointers account for."""
+def _hides_state(cls: type, base: type) -> bool:
+    """Return whether an instance has more memory than `base`, slots and pointers account for."""
     pointer = ctypes.sizeof(ctypes.c_void_p)
     pointers = len(slots_of(cls)) + (cls.__dictoffset__ > 0) + (cls.__weakrefoffset__ > 0)
-    return cls.__basicsize__ > object.__basicsize__ + pointer * pointers or cls.__itemsize__ > 0
+    return cls.__basicsize__ > base.__basicsize__ + pointer * pointers or cls.__itemsize__ > 0
 
 
 def _is_frozen(cls: type) -> bool:

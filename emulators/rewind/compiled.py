@@ -6,8 +6,10 @@ function within a function holds the variables of the outer one in an object wit
 garbage collector returns its references. A number in it would be unseen: no such function changes one.
 """
 
+import ctypes
 import gc
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from itertools import compress
 from operator import attrgetter, is_not
 from typing import Any, Final
@@ -17,11 +19,17 @@ from emulators.rewind.capture import UNSET, Capture, RewindError
 _LISTED: Final = "__mypyc_attrs__"
 _OUTER: Final = "__mypyc_env__"
 _MARK: Final = "__internal_mypyc_setup"
+_FIRST: Final = "_first"
 
 
 def is_compiled(cls: type) -> bool:
     """Return whether all that an instance holds is listed: its bases were compiled too, or hold nothing."""
     return _LISTED in vars(cls) and all(_LISTED in vars(base) or _holds_nothing(base) for base in cls.__mro__)
+
+
+def compiled_base(cls: type) -> type | None:
+    """Return the compiled class that an interpreted one extends, or the class itself; None for neither."""
+    return next((base for base in cls.__mro__ if is_compiled(base)), None)
 
 
 def _holds_nothing(cls: type) -> bool:
@@ -31,8 +39,25 @@ def _holds_nothing(cls: type) -> bool:
 
 def attributes_of(cls: type) -> tuple[str, ...]:
     """Return the names of what an instance of a compiled class holds."""
-    names: tuple[str, ...] = getattr(cls, _LISTED)
-    return names
+    # A class that others may extend lists the place of their attributes, too: see `namespace_of`.
+    return tuple(name for name in getattr(cls, _LISTED) if name != "__dict__")
+
+
+def namespace_of(thing: object) -> dict[str, object]:
+    """Return the attributes of an instance with a `__dict__`, also where a compiled base hides that name."""
+    offset = type(thing).__dictoffset__
+    # mypyc reserves a place for the attributes of classes that extend a compiled one, and gives it no name.
+    if offset <= 0 or hasattr(thing, "__dict__"):
+        return vars(thing)
+    place: Any = ctypes.py_object.from_address(id(thing) + offset)
+    with suppress(ValueError):
+        found: dict[str, object] = place.value
+        return found
+    # Empty so far: it is made with the first attribute.
+    object.__setattr__(thing, _FIRST, None)
+    object.__delattr__(thing, _FIRST)
+    made: dict[str, object] = place.value
+    return made
 
 
 def function_parts(cls: type) -> Callable[[Any], Iterable[object]] | None:
@@ -43,7 +68,10 @@ def function_parts(cls: type) -> Callable[[Any], Iterable[object]] | None:
 
 
 def compiled_capture(cls: type) -> Capture:
-    """Return how instances of this compiled class are kept: as a tuple of what they hold, and their class."""
+    """Return how instances of this compiled class are kept: as a tuple of what they hold, and their class.
+
+    Of a class that extends it, this is its own part.
+    """
     names = attributes_of(cls)
     at_once = attrgetter(*names, "__class__")  # one name alone would give no tuple
 
@@ -51,7 +79,7 @@ def compiled_capture(cls: type) -> Capture:
         try:
             values: tuple[object, ...] = at_once(thing)
         except AttributeError:
-            return (*[getattr(thing, name, UNSET) for name in names], cls)
+            return (*[getattr(thing, name, UNSET) for name in names], type(thing))
         return values
 
     def same(thing: object, before: tuple[object, ...]) -> bool:

@@ -12,6 +12,7 @@ from typing import Any, Final, TypeAlias
 
 from emulators.rewind.capture import ATTRIBUTES, SAVES_STATE, Capture, NotCaptured, RewindError
 from emulators.rewind.classes import treatment_of
+from emulators.rewind.compiled import namespace_of
 
 _LEAST_GROWTH: Final = 256
 """Least growth, with half of the known number, that makes a fresh walk worth while: many are gone again."""
@@ -138,7 +139,7 @@ class Rewind(NotCaptured):
             for capture in treatment.captures:
                 stack += [(part, here) for part in self._note(capture, thing)]
             if treatment.attributes:
-                stack += [(part, here) for part in self._note(ATTRIBUTES, vars(thing))]
+                stack += [(part, here) for part in self._note(ATTRIBUTES, namespace_of(thing))]
 
     def _note(self, capture: Capture, thing: object) -> Iterable[object]:
         """Add a thing to those that are captured alike, and return what it leads to."""

@@ -5,10 +5,11 @@ is shown once, with the chunk that ends it.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Final
 
 from firmware_bridge.packet import Packet
+from firmware_bridge.wire.lines import LineReader
 
 BRIDGE: Final = "bridge"
 """Name of the end that sends requests."""
@@ -35,3 +36,20 @@ class BoardLine(ABC):
     @abstractmethod
     def from_board(self, chunk: bytes) -> Iterator[str]:
         """Yield the answers that these bytes of the board complete."""
+
+
+class TextLine(BoardLine):
+    """A reader of lines of text; `answer` decodes one of the board's, without its end."""
+
+    def __init__(self, answer: Callable[[bytes], str], end: bytes = b"\n") -> None:
+        self._answer: Final = answer
+        self._requests: Final = LineReader(end)
+        self._answers: Final = LineReader(end)
+
+    def to_board(self, chunk: bytes) -> Iterator[str]:
+        """Yield the requests as they are."""
+        yield from (line.decode("latin-1") for line in self._requests.receive(chunk))
+
+    def from_board(self, chunk: bytes) -> Iterator[str]:
+        """Yield the answers, decoded."""
+        yield from map(self._answer, self._answers.receive(chunk))

@@ -93,7 +93,7 @@ class SettingsTable(Table):
 
 
 class AxisTable(SettingsTable):
-    """One motor at its device, whatever that is."""
+    """One motor at its device, whatever that is; a family adds `device`, whose words choose its table."""
 
     continuous_current_ma: int
     peak_current_ma: int
@@ -208,3 +208,34 @@ class LinkTable(Table):
         if not isinstance(link, cls):
             raise TypeError(f"the link '{name}' has no {cls.__name__}, but a {type(link).__name__}")
         return link
+
+
+class LineTable(LinkTable):
+    """A serial line to one device that answers each request: `[links.NAME]`."""
+
+    port_latency_us: Annotated[int, Field(ge=0, le=20_000)] = 1_000
+    """Longest time that this machine's port may keep received bytes."""
+    answers_within_ms: Annotated[int, Field(ge=5, le=1_000)] = 60
+    """Timeout of a request, after which it is sent again."""
+    found_within_ms: Annotated[int, Field(ge=100, le=20_000)] = 5_000
+    """From the first request to the first answer."""
+
+    @property
+    def medium(self) -> Medium:
+        """A serial line."""
+        return Medium.SERIAL
+
+    @property
+    def latency_us(self) -> int:
+        """Longest time that this machine's port may keep received bytes."""
+        return self.port_latency_us
+
+    @property
+    def silent_hint(self) -> str:
+        """Power, port and rate of the device."""
+        return f"nothing was received on the line at {self.rate} Bd: is the device on, and is it this port?"
+
+    def confirmed(self, cycle: Nanoseconds) -> Nanoseconds:
+        """Return the time for the confirmation of a stop stage; `cycle` is the robot's."""
+        # A sample may have been requested before the command, and the next one may be lost.
+        return 3 * self.every * cycle

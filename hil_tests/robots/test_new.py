@@ -5,8 +5,6 @@ import json
 import math
 import os
 import resource
-import subprocess
-import sys
 import tomllib
 from importlib.util import find_spec
 from pathlib import Path
@@ -24,9 +22,8 @@ from firmware_bridge.cli import program
 from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Device
 from firmware_bridge.robot.model import Unpowered
 from firmware_bridge.robot_types import find
+from hil_tests.robots.beside import PRODUCT, ROOT, Beside, files
 
-ROOT: Final = Path(__file__).parents[2]
-PRODUCT: Final = ("firmware_bridge", "emulators", "fmu", "examples")
 PROCESSOR_S: Final = 60.0
 DIFF_DRIVE: Final = Specification(
     kind="differential",
@@ -40,51 +37,6 @@ MOUSE: Final = (
     *("new", "mouse", "--kind", "differential", "--nodes", "5,6", "--axes", "port,starboard"),
     *("--wheel-radius", "0.05", "--track", "0.25", "--mass", "8", "--motor", "RE25", "--gear", "20"),
 )
-
-
-def files() -> dict[Path, int]:
-    """Return every file of the product with the time of its last change; caches and builds are none."""
-    found = [path for name in PRODUCT for path in (ROOT / name).rglob("*") if path.is_file()]
-    return {path: path.stat().st_mtime_ns for path in found if path.suffix not in {".pyc", ".so"}}
-
-
-class Beside:
-    """A folder with a package installed in it, beside the product."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.site = folder / "site"
-        # Plants are kept by their content: one that was built before is not built again.
-        self.environment = {
-            **os.environ,
-            "PYTHONPATH": str(self.site),
-            "NO_COLOR": "1",
-        }
-
-    def run(self, *words: str, **more: str) -> str:
-        done = subprocess.run(
-            [sys.executable, "-P", *words],
-            cwd=self.folder,
-            env={**self.environment, **more},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert done.returncode == 0, done.stdout + done.stderr
-        return done.stdout
-
-    def bridge(self, *words: str) -> str:
-        return self.run("-c", "from firmware_bridge.cli import main; main()", *words)
-
-    def installs(self, name: str) -> None:
-        offline = (
-            "--no-deps",
-            "--no-build-isolation",
-            "--no-index",
-            "--disable-pip-version-check",
-            "--quiet",
-        )
-        self.run("-m", "pip", "install", *offline, "--target", str(self.site), name)
 
 
 @pytest.fixture(scope="module")
@@ -266,8 +218,10 @@ def imported(path: Path) -> set[str]:
 
 
 def test_the_examples_import_public_modules_alone() -> None:
-    page = (ROOT / "docs/your-robot.md").read_text(encoding="utf-8")
-    _, _, listed = page.partition("## Public modules")
+    pages = [
+        (ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("your-robot.md", "device-family.md")
+    ]
+    listed = "\n".join(page.partition("## Public modules")[2] for page in pages)
     public = {line.split("`")[1] for line in listed.splitlines() if line.startswith("| `")}
     used = {module for path in (ROOT / "examples").rglob("*.py") for module in imported(path)}
     assert used

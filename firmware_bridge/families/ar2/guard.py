@@ -143,11 +143,6 @@ class Ar2Rules(WireRules):
         """The echo that would prove it: of the newest line sent after it."""
         self._received = b""
 
-    @property
-    def waiting(self) -> bool:
-        """Always False: a packet of the guard has left when it was handed over."""
-        return False
-
     def axes_of(self, packet: Packet) -> tuple[InForce, ...]:
         """Return all joints: a request commands none of them to move, a move sets the target of each."""
         line = packet.payload

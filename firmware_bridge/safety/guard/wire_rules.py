@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any, Final
 
+from firmware_bridge.extensible import extensible
 from firmware_bridge.packet import Packet
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.units import Nanoseconds
@@ -12,6 +13,7 @@ ROUNDING: Final = 1e-12
 """Share of a bound by which its conversion may fall short: 4000 rpm must not become 3999."""
 
 
+@extensible(allow_interpreted_subclasses=True)
 class WireRules(ABC):
     """One protocol's rules for the drives of one link, and what was sent to them and reported by them."""
 
@@ -19,9 +21,9 @@ class WireRules(ABC):
     axes: tuple[InForce, ...]
 
     @property
-    @abstractmethod
     def waiting(self) -> bool:
-        """True while commands of the guard itself still wait for the link."""
+        """True while commands of the guard itself still wait for the link; here each leaves at once."""
+        return False
 
     @abstractmethod
     def axes_of(self, packet: Packet) -> tuple[InForce, ...]:
@@ -39,9 +41,10 @@ class WireRules(ABC):
     def safe(self, axis: Any) -> tuple[Packet, ...]:
         """Return what takes motion away from one of the link's own axes and gives it no power."""
 
-    @abstractmethod
     def replacement_of(self, packet: Packet) -> tuple[Packet, ...] | None:
         """Return what leaves instead of a refused packet that is no set-point; None to stop every axis."""
+        del packet
+        return None
 
     @abstractmethod
     def sends(self, packet: Packet, now: Nanoseconds, *, requested: bool) -> tuple[InForce, ...]:
@@ -50,6 +53,7 @@ class WireRules(ABC):
         `requested`: the node waits for what comes back.
         """
 
-    @abstractmethod
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:
         """Note a received packet, once for each packet of the link; return whether it is the node's."""
+        del packet, now
+        return True

@@ -13,6 +13,8 @@ ENTRIES: Final = """[firmware_bridge.robots]
 scout = scout_that_is_not_there:ROBOT_TYPE
 [firmware_bridge.bench_setups]
 scout = scout_that_is_not_there.bench:BENCH_SETUP
+[firmware_bridge.emulated_families]
+scout = scout_that_is_not_there.family:FAMILY
 """
 WHY: Final = "scout: cannot be loaded: ModuleNotFoundError: No module named 'scout_that_is_not_there'"
 
@@ -28,7 +30,8 @@ def site(tmp_path: Path) -> Path:
 
 
 def stated(site: Path, *words: str) -> tuple[int, str, str]:
-    environment = {**os.environ, "PYTHONPATH": str(site), "COLUMNS": "200", "NO_COLOR": "1"}
+    path = os.pathsep.join([str(site), *filter(None, [os.environ.get("PYTHONPATH")])])
+    environment = {**os.environ, "PYTHONPATH": path, "COLUMNS": "200", "NO_COLOR": "1"}
     reported = subprocess.run([PROGRAM, *words], env=environment, capture_output=True, text=True, check=False)
     return reported.returncode, reported.stdout, reported.stderr
 

@@ -37,6 +37,14 @@ class Counter:
         return int(self._title)
 
 
+class Extended(Counter):
+    """A package's class on top of a compiled one: its own attributes are Python's."""
+
+    def __init__(self, count: int) -> None:
+        super().__init__(count)
+        self.own = [count]
+
+
 class LateSetter(ABC):
     __slots__ = ("early", "late")
     __mypyc_attrs__ = ("early", "late")
@@ -91,6 +99,16 @@ def test_numbers_and_lists_come_back_and_what_is_final_stays() -> None:
     assert (counter.count, counter.log, counter.title) == (LARGE, [], LARGE)
     rewind.restore(after)
     assert (counter.count, counter.log, counter.title) == (LARGE + 5, [1], LARGE)
+
+
+def test_a_class_that_extends_a_compiled_one_is_kept_with_both_parts() -> None:
+    thing = Extended(LARGE)
+    rewind = Rewind(thing)
+    before = rewind.snapshot()
+    thing.count = 1
+    thing.own.append(2)
+    rewind.restore(before)
+    assert (thing.count, thing.own) == (LARGE, [LARGE])
 
 
 def test_a_thing_that_comes_into_reach_later_is_found() -> None:

@@ -143,11 +143,6 @@ class ShieldRules(WireRules):
         self._board = Board(table, numbers, mw.LIBRARIES)
         self._answers: Final = mw.AnswerReader() if table.protocol is ShieldProtocol.MW else None
 
-    @property
-    def waiting(self) -> bool:
-        """Always False: a packet of the guard has left when it was handed over."""
-        return False
-
     def axes_of(self, packet: Packet) -> tuple[InForce, ...]:
         """Return the motors that a command drives."""
         command = self._command(packet)
@@ -176,9 +171,6 @@ class ShieldRules(WireRules):
     def safe(self, axis: GuardedMotor) -> tuple[Packet, ...]:
         """Return what takes the speed of a motor."""
         return tuple(Packet(self.link, 0, data) for data in no_motion(axis.number, self._board))
-
-    def replacement_of(self, packet: Packet) -> None:
-        """Stop every axis, whatever command it is."""
 
     def sends(self, packet: Packet, now: Nanoseconds, *, requested: bool) -> tuple[InForce, ...]:
         """Note what a command does to the motors."""

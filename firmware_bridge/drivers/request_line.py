@@ -1,0 +1,382 @@
+"""A device alone on a serial line that answers each request: link and driver, for a family to fill in.
+
+One request is under way at a time. Of set-points that wait only the newest is sent; a task's requests go
+before it, the request for a sample after it. A family gives a
+`firmware_bridge.drivers.line_device.LineDevice`.
+"""
+
+from typing import Final
+
+from firmware_bridge.drivers.driver import (
+    STOPPING,
+    Feedback,
+    Power,
+    Reports,
+    SetPoint,
+    StartupError,
+    Stop,
+    Task,
+)
+from firmware_bridge.drivers.line_device import LineDevice, Report
+from firmware_bridge.drivers.link_drivers import LinkDrivers
+from firmware_bridge.intent import NEVER_RECEIVED
+from firmware_bridge.node import LINE_BACK, LINE_LOST
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import Axis
+from firmware_bridge.robot.table import LineTable
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
+from firmware_bridge.wire.lines import LineReader
+
+LOST: Final = "the serial line is gone"
+BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
+"""Nothing is sent at it: the requests of each cycle show that the bridge is alive."""
+TRIES: Final = 3
+"""Requests of a task without an answer, after which it has failed; a device is looked for longer."""
+MISSED: Final[Nanoseconds] = 2_900 * MILLISECOND
+"""A device that has not answered by then is reported as missing."""
+FOUND: Final = (Task.FIND, Task.IDENTIFY, Task.CONFIGURE)
+
+
+class LineAxis:
+    """A `firmware_bridge.drivers.driver.Driver`: the axis of the device."""
+
+    def __init__(self, device: LineDevice, line: "RequestLine") -> None:
+        self._device: Final = device
+        self._line: Final = line
+        self._enabled = False
+        """True from the request for power until power is taken off."""
+        self._newest: Report | None = None
+        self._received_at: Nanoseconds = NEVER_RECEIVED
+        self._sampled_at: Nanoseconds = NEVER_RECEIVED
+
+    @property
+    def axis(self) -> Axis:
+        """The axis that it moves."""
+        return self._device.axis
+
+    @property
+    def reports(self) -> frozenset[Reports]:
+        """Reports of its device."""
+        return self._device.reports
+
+    @property
+    def feedback(self) -> Feedback:
+        """The state that it has reported."""
+        newest, reports = self._newest, self.reports
+        if newest is None:
+            return Feedback(axis=self.axis.name, reference_lost=Reports.ZERO not in reports)
+        return Feedback(
+            axis=self.axis.name,
+            power=newest.power if self._line.configured else Power.UNKNOWN,
+            received_at=self._received_at,
+            sampled_at=self._sampled_at,
+            position=newest.position,
+            velocity=newest.velocity,
+            current_a=newest.current_a,
+            current_at=NEVER_RECEIVED if newest.current_a is None else self._received_at,
+            fault=newest.fault,
+            text=newest.text,
+            reference_lost=Reports.ZERO not in reports,
+        )
+
+    @property
+    def sampled_at(self) -> Nanoseconds:
+        """Time of its newest sample."""
+        return self._sampled_at
+
+    @property
+    def between(self) -> None:
+        """None: its device sends no position between samples."""
+
+    @property
+    def busy(self) -> bool:
+        """True while tasks are under way."""
+        return bool(self._line.under_way)
+
+    @property
+    def stopping(self) -> bool:
+        """True where the tasks under way stop the device, or were requested by no one."""
+        return self._line.stops
+
+    @property
+    def failure(self) -> StartupError | None:
+        """The failure of the last tasks."""
+        problem = self._line.problem
+        return None if problem is None else StartupError(self.axis, problem)
+
+    @property
+    def configured(self) -> bool:
+        """True where the device was found, and not lost since."""
+        return self._line.configured
+
+    @property
+    def unpowered(self) -> bool:
+        """True where its newest report is power off, and no power was requested since."""
+        return not self._enabled and self._newest is not None and self._newest.power is Power.OFF
+
+    @property
+    def wake_at(self) -> Nanoseconds:
+        """Never: the line is woken."""
+        return NEVER
+
+    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do these tasks in order, in place of those under way."""
+        return self._line.begin(tasks, now)
+
+    def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do nothing: an axis with travel needs a driver of its own."""
+        del position, now
+        return ()
+
+    def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do nothing, as above."""
+        del now
+        return ()
+
+    def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
+        """Note a set-point; while tasks are under way only one that stops, unless they do so themselves."""
+        if self._line.under_way:
+            if set_point not in {Stop.QUICK_STOP, Stop.POWER_OFF} or self._line.stops:
+                return ()
+            self._line.end_tasks()
+        if set_point is Stop.POWER_OFF:
+            self._enabled = False
+        self._line.note(self._device.request(set_point))
+        return ()
+
+    def release(self) -> tuple[Packet, ...]:
+        """Do nothing: a request has no handshake beside its answer."""
+        return ()
+
+    def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do nothing: the line is woken."""
+        del now
+        return ()
+
+    def opened(self, task: Task) -> None:
+        """Note the begin of a task."""
+        if task is Task.ENABLE:
+            self._enabled = True
+        elif task in {Task.CONFIGURE, Task.LEAVE, Task.DISABLE}:
+            self._enabled = False
+
+    def reported(self, report: Report, sampled_at: Nanoseconds, now: Nanoseconds) -> None:
+        """Take a report; `sampled_at` is the begin of the cycle that requested it."""
+        self._newest, self._received_at = report, now
+        self._sampled_at = max(self._sampled_at, sampled_at)
+
+
+class RequestLine:
+    """A `firmware_bridge.drivers.link_drivers.DeviceLink`."""
+
+    def __init__(self, name: str, table: LineTable, device: LineDevice) -> None:
+        self.name = name
+        self.answers_within: Nanoseconds = table.answers_within_ms * MILLISECOND
+        self.beat_every = BEATS
+        self.listens_for: Nanoseconds = 0
+        self.remark = ""
+        self.late = 0
+        self.longest_cycle: Nanoseconds = 0
+        """From the begin of a cycle to its sample."""
+        self.commands = 0
+        """Requests so far."""
+        self.busy: Nanoseconds = 0
+        """Time in which an answer was awaited."""
+        self.under_way: tuple[Task, ...] = ()
+        self.configured = False
+        self.problem: str | None = None
+        self.driver: Final = LineAxis(device, self)
+        self._device: Final = device
+        self._table: Final = table
+        self._reader: Final = LineReader(device.end)
+        self._gone = self._found_once = False
+        self._restores = False
+        """True where the tasks under way were requested by no one: the device was lost."""
+        self._todo: tuple[bytes, ...] = ()
+        """Requests of the task under way that are not answered."""
+        self._set_point: bytes | None = None
+        self._sample_due = False
+        self._cycle_at: Nanoseconds = NEVER_RECEIVED
+        self._open: bytes | None = None
+        """The request whose answer is awaited."""
+        self._of_task = False
+        """True where it is the first of `_todo`."""
+        self._sent_at: Nanoseconds = 0
+        self._samples: Nanoseconds = NEVER_RECEIVED
+        """The cycle that it samples."""
+        self._tries = 0
+        self._received_at: Nanoseconds = NEVER_RECEIVED
+        self._found_until: Nanoseconds = 0
+
+    @property
+    def lost(self) -> str | None:
+        """The reason why the device cannot be reached."""
+        return LOST if self._gone else None
+
+    def hint(self, now: Nanoseconds) -> str:
+        """Return what to check where the device is looked for in vain."""
+        since = self._found_until - self._table.found_within_ms * MILLISECOND
+        missed = self.under_way[:1] == (Task.FIND,) and now - since >= MISSED
+        return f"{self.name}: {self._table.silent_hint}" if missed else ""
+
+    def master(self, _now: Nanoseconds) -> None:
+        """Report nothing: a line has one host."""
+
+    @property
+    def wake_at(self) -> Nanoseconds:
+        """At once where something is to be sent and the line is free; else when an answer is overdue."""
+        if self._open is not None:
+            return self._sent_at + self.answers_within
+        waits = self._todo or self._set_point is not None or self._sample_due
+        return 0 if waits and not self._gone else NEVER
+
+    @property
+    def stops(self) -> bool:
+        """True where the tasks under way stop the device: no set-point that does so ends them."""
+        return self._restores or any(task in STOPPING for task in self.under_way)
+
+    # For the axis
+
+    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Begin these tasks."""
+        self.end_tasks()
+        self.problem, self._set_point = None, None
+        self.under_way = tasks
+        self._open_task(now)
+        return self._go_on(now)
+
+    def end_tasks(self) -> None:
+        """Do those under way no more."""
+        self.under_way, self._todo = (), ()
+        self._restores = self._of_task = False
+
+    def note(self, request: bytes) -> None:
+        """Send a set-point as soon as the line is free, in place of one that waits."""
+        self._set_point = request
+
+    # For the link's drivers
+
+    def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Request a sample, unless that of the cycle before is not answered."""
+        if self.configured and now - self._received_at >= self._table.silent_ms * MILLISECOND:
+            self._forget()
+        if self._sample_due or (self._open is not None and self._samples != NEVER_RECEIVED):
+            self.late += 1
+        elif self.configured:
+            self._sample_due = True
+        elif not self.under_way and self._found_once and not self._gone:
+            # Lost, without a command: it is set up again when it answers, but not enabled.
+            self.under_way, self._restores = FOUND, True
+            self._open_task(now)
+        self._cycle_at = now
+        return self._go_on(now)
+
+    def beat(self, _now: Nanoseconds) -> tuple[Packet, ...]:
+        """Send nothing."""
+        return ()
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Take bytes, or what became of the line; what answers no request is ignored."""
+        if packet.address == LINE_LOST and not packet.payload:
+            self._gone, self._open = True, None
+            self._forget()
+            if self.under_way:
+                self._fail(LOST)
+        elif packet.address == LINE_BACK and not packet.payload:
+            self._gone = False
+        else:
+            for line in self._reader.receive(packet.payload):
+                answer = self._open is not None and self._device.read(self._open, line)
+                if answer:
+                    self._answered(answer if isinstance(answer, Report) else None, now)
+        return self._go_on(now)
+
+    def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Give up, or send again, a request that has no answer in its time; send what waits."""
+        if self._open is not None and now >= self._sent_at + self.answers_within:
+            self._unanswered(now)
+        return self._go_on(now)
+
+    def _go_on(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Send the next request where the line is free."""
+        if self._open is not None or self._gone:
+            return ()
+        self._of_task, self._samples = bool(self._todo), NEVER_RECEIVED
+        if self._todo:
+            self._open = self._todo[0]
+        elif self._set_point is not None:
+            self._open, self._set_point = self._set_point, None
+        elif self._sample_due:
+            self._open, self._sample_due, self._samples = self._device.question, False, self._cycle_at
+        else:
+            return ()
+        self.commands += 1
+        self._sent_at = now
+        # Half a line from before would spoil the answer.
+        self._reader.flush()
+        return (Packet(self.name, 0, self._open + self._device.end),)
+
+    def _answered(self, report: Report | None, now: Nanoseconds) -> None:
+        self._open, self._received_at, self._tries = None, now, 0
+        self.busy += now - self._sent_at
+        if report is not None:
+            self.driver.reported(report, self._samples, now)
+        if self._samples != NEVER_RECEIVED:
+            self.longest_cycle = max(self.longest_cycle, now - self._samples)
+        if self._of_task:
+            self._todo = self._todo[1:]
+            if not self._todo:
+                self._close_task(now)
+
+    def _unanswered(self, now: Nanoseconds) -> None:
+        self._open = None
+        self.busy += now - self._sent_at
+        # The next cycle repeats a set-point and a sample: they are up to date then.
+        if self._of_task:
+            self._tries += 1
+            finding = self.under_way[0] is Task.FIND
+            if now >= self._found_until if finding else self._tries >= TRIES:
+                self._fail(f"no answer to {self._todo[0]!r}: {self._table.silent_hint}")
+
+    # Tasks
+
+    def _open_task(self, now: Nanoseconds) -> None:
+        """Begin the first of the tasks that are left; one without requests is done at once."""
+        while self.under_way:
+            task, self._tries = self.under_way[0], 0
+            self.driver.opened(task)
+            self._todo = self._device.tasks.get(task, ())
+            if task is Task.FIND:
+                self.configured = False
+                self._found_until = now + self._table.found_within_ms * MILLISECOND
+            if task in {Task.FIND, Task.START}:
+                self._todo = (self._device.question, *self._todo)
+            if self._todo:
+                return
+            self._end_task()
+
+    def _close_task(self, now: Nanoseconds) -> None:
+        """End the task under way, and begin the next one."""
+        self._end_task()
+        self._open_task(now)
+
+    def _end_task(self) -> None:
+        if self.under_way[0] is Task.CONFIGURE:
+            self.configured = self._found_once = True
+        self.under_way = self.under_way[1:]
+        self._restores = self._restores and bool(self.under_way)
+
+    def _fail(self, problem: str) -> None:
+        self.problem = problem
+        self.end_tasks()
+
+    def _forget(self) -> None:
+        """Note that the device was silent for too long, or is not reached: it may have started again."""
+        self.configured = self._sample_due = False
+        self._set_point = None
+
+
+def line_drivers(name: str, table: LineTable, device: LineDevice) -> LinkDrivers:
+    """Return the devices on a link by its name: this one."""
+    line = RequestLine(name, table, device)
+    return LinkDrivers(line, table, (line.driver,))

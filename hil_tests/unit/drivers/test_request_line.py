@@ -1,0 +1,264 @@
+"""One device alone on a line: one request at a time, what waits, what is repeated, and what is given up."""
+
+from collections.abc import Callable, Mapping
+from enum import StrEnum
+from typing import Annotated, ClassVar, Final
+
+import pytest
+from pydantic import Field
+
+from firmware_bridge.drivers.driver import BRING_UP, Feedback, Position, Power, Reports, SetPoint, Stop, Task
+from firmware_bridge.drivers.line_device import LineDevice, Report
+from firmware_bridge.drivers.request_line import LOST, TRIES, line_drivers
+from firmware_bridge.node import LINE_BACK, LINE_LOST
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot.table import LineTable, Medium
+from firmware_bridge.robot_types import find
+from firmware_bridge.units import MILLISECOND, NEVER
+
+MS: Final = MILLISECOND
+ANSWERS: Final = 60 * MS
+AXIS: Final = find("diff_drive").axes[0]
+
+
+class Word(StrEnum):
+    MADE_UP = "made-up"
+
+
+class Table(LineTable):
+    driver: Annotated[Word, Field(strict=False)]
+
+    @property
+    def rate(self) -> int:
+        return 9_600
+
+
+class Device(LineDevice):
+    """Each answer is the request and a state; `a` to the request for identity has none."""
+
+    reports: ClassVar[frozenset[Reports]] = frozenset({Reports.POWER})
+    question: ClassVar[bytes] = b"q"
+    tasks: ClassVar[Mapping[Task, tuple[bytes, ...]]] = {
+        Task.IDENTIFY: (b"i",),
+        Task.CONFIGURE: (b"off", b"c"),
+        Task.ENABLE: (b"on",),
+        Task.DISABLE: (b"off",),
+    }
+
+    def request(self, set_point: SetPoint) -> bytes:
+        if isinstance(set_point, Stop):
+            return set_point.name.encode()
+        return b"to %d" % set_point.value if isinstance(set_point, Position) else b"?"
+
+    def read(self, request: bytes, line: bytes) -> Report | bool:
+        own, _, state = line.partition(b"=")
+        if own != request:
+            return False
+        return Report(Power(state.decode()), 1.0, 0.5) if state else True
+
+
+class Line:
+    """The drivers of such a link, and its wire."""
+
+    def __init__(self) -> None:
+        table = Table(driver=Word.MADE_UP, silent_ms=250, found_within_ms=500)
+        self.drivers = line_drivers("line", table, Device(AXIS))
+        (self.driver,) = self.drivers.drivers
+        self.link = self.drivers.link
+        self.now = 0
+        self.state = "off"
+        self.sent: list[bytes] = []
+
+    def takes(self, packets: tuple[Packet, ...]) -> None:
+        assert len(packets) <= 1, "one request at a time"
+        self.sent += [packet.payload for packet in packets]
+
+    def receives(self, line: bytes) -> None:
+        self.takes(self.link.receive(Packet("line", 0, line + b"\n"), self.now))
+
+    def wakes(self) -> None:
+        self.now = max(self.now, self.link.wake_at)
+        self.takes(self.link.wake(self.now))
+
+    def answers(self) -> None:
+        """Answer the newest request with the state."""
+        request = self.sent[-1].rstrip(b"\n")
+        self.state = {b"on": "on", b"off": "off"}.get(request, self.state)
+        self.receives(request + b"=" + self.state.encode())
+
+    def is_up(self) -> "Line":
+        self.takes(self.drivers.begin(BRING_UP, self.now))
+        while self.driver.busy:
+            self.answers()
+        return self
+
+    @property
+    def feedback(self) -> Feedback:
+        return self.driver.feedback
+
+    def shows(self, *, busy: bool | None = None, unpowered: bool | None = None) -> None:
+        """Check those that are given."""
+        assert busy in (None, self.driver.busy)
+        assert unpowered in (None, self.driver.unpowered)
+
+
+def test_a_table_of_a_line_is_a_serial_port_with_its_latency() -> None:
+    table = Table(driver=Word.MADE_UP, silent_ms=250)
+    assert (table.medium, table.latency_us, table.kind) == (Medium.SERIAL, 1_000, "made-up")
+    assert table.confirmed(50 * MS) == 150 * MS
+    assert "9600 Bd" in table.silent_hint
+
+
+def test_the_bring_up_goes_request_by_request_and_ends_with_power() -> None:
+    line = Line()
+    assert (line.feedback.power, line.driver.unpowered, line.driver.configured) == (
+        Power.UNKNOWN,
+        False,
+        False,
+    )
+    line.is_up()
+    assert line.sent == [b"q\n", b"i\n", b"off\n", b"c\n", b"q\n", b"on\n"]
+    assert (line.feedback.power, line.driver.unpowered, line.driver.configured) == (Power.ON, False, True)
+    assert (line.feedback.position, line.feedback.velocity) == (1.0, 0.5)
+    assert line.driver.failure is None
+    assert line.link.wake_at == NEVER
+
+
+def test_an_answer_without_a_state_goes_on_and_another_line_does_not() -> None:
+    line = Line()
+    line.takes(line.drivers.begin((Task.IDENTIFY,), 0))
+    line.receives(b"q=on")
+    assert line.driver.busy
+    assert line.feedback.power is Power.UNKNOWN
+    line.receives(b"i")
+    assert not line.driver.busy
+
+
+def test_of_set_points_that_wait_the_newest_is_sent_before_the_sample() -> None:
+    line = Line().is_up()
+    line.sent.clear()
+    line.takes(line.link.sample(line.now))
+    for value in (1.0, 2.0, 3.0):
+        line.takes(line.driver.command(Position(value)))
+    assert line.sent == [b"q\n"]
+    line.answers()
+    assert line.sent == [b"q\n", b"to 3\n"]
+    line.answers()
+    assert line.sent == [b"q\n", b"to 3\n"]
+
+
+def test_a_set_point_is_sent_at_the_next_wake_up_which_is_at_once() -> None:
+    line = Line().is_up()
+    line.driver.command(Position(7.0))
+    assert line.link.wake_at <= line.now
+    line.wakes()
+    assert line.sent[-1] == b"to 7\n"
+
+
+def test_a_sample_is_of_the_cycle_that_requested_it_and_a_late_one_is_counted() -> None:
+    line = Line().is_up()
+    line.now = 50 * MS
+    line.takes(line.link.sample(line.now))
+    line.now = 100 * MS
+    line.takes(line.link.sample(line.now))
+    assert line.link.late == 1
+    line.answers()
+    assert (line.driver.sampled_at, line.feedback.received_at) == (50 * MS, 100 * MS)
+
+
+def test_a_device_is_looked_for_until_its_time_is_over_and_the_hint_names_the_port() -> None:
+    line = Line()
+    line.takes(line.drivers.begin(BRING_UP, 0))
+    while line.driver.busy:
+        line.wakes()
+    assert line.now >= 500 * MS
+    assert set(line.sent) == {b"q\n"}
+    assert len(line.sent) == -(-500 * MS // ANSWERS)
+    assert "no answer to b'q'" in str(line.driver.failure)
+
+
+def test_a_task_s_request_is_repeated_and_then_given_up() -> None:
+    line = Line().is_up()
+    line.sent.clear()
+    line.takes(line.drivers.begin((Task.DISABLE,), line.now))
+    while line.driver.busy:
+        line.wakes()
+    assert line.sent == [b"off\n"] * TRIES
+    assert not line.driver.unpowered
+
+
+def test_a_set_point_and_a_sample_without_an_answer_are_left_to_the_next_cycle() -> None:
+    line = Line().is_up()
+    line.driver.command(Position(7.0))
+    line.wakes()
+    line.wakes()
+    assert line.sent[-1] == b"to 7\n"
+    assert line.sent.count(b"to 7\n") == 1
+    assert line.link.wake_at == NEVER
+
+
+def test_power_off_counts_when_it_is_reported_and_not_once_power_was_requested() -> None:
+    line = Line().is_up()
+    line.driver.command(Stop.POWER_OFF)
+    line.wakes()
+    line.shows(unpowered=False)
+    line.state = "off"
+    line.answers()
+    line.shows(unpowered=True)
+    line.takes(line.drivers.begin((Task.ENABLE,), line.now))
+    line.shows(unpowered=False)
+
+
+def test_while_tasks_are_under_way_only_a_stop_counts_and_it_ends_them() -> None:
+    line = Line()
+    line.takes(line.drivers.begin(BRING_UP, 0))
+    line.driver.command(Position(1.0))
+    line.driver.command(Stop.STANDSTILL)
+    line.shows(busy=True)
+    line.driver.command(Stop.QUICK_STOP)
+    line.shows(busy=False)
+    line.answers()
+    assert line.sent[-1] == b"QUICK_STOP\n"
+
+
+def test_no_set_point_ends_a_task_that_stops() -> None:
+    line = Line().is_up()
+    line.takes(line.drivers.begin((Task.DISABLE,), line.now))
+    assert line.driver.stopping
+    line.driver.command(Stop.POWER_OFF)
+    assert line.driver.busy
+
+
+def test_a_device_that_was_silent_is_set_up_again_and_not_enabled() -> None:
+    line = Line().is_up()
+    line.now = 250 * MS
+    line.sent.clear()
+    line.takes(line.link.sample(line.now))
+    assert (line.feedback.power, line.driver.configured, line.driver.stopping) == (Power.UNKNOWN, False, True)
+    while line.driver.busy:
+        line.answers()
+    assert line.sent == [b"q\n", b"i\n", b"off\n", b"c\n"]
+    assert (line.feedback.power, line.driver.unpowered) == (Power.OFF, True)
+    assert not line.driver.stopping
+
+
+@pytest.mark.parametrize("busy", [False, True])
+def test_a_line_that_is_lost_fails_its_tasks_and_sends_nothing_until_it_is_back(*, busy: bool) -> None:
+    line = Line().is_up()
+    if busy:
+        line.takes(line.drivers.begin((Task.ENABLE,), line.now))
+    line.sent.clear()
+    line.takes(line.link.receive(Packet("line", LINE_LOST, b""), line.now))
+    assert line.link.lost == LOST
+    assert (line.driver.failure is not None) is busy
+    line.driver.command(Position(1.0))
+    line.takes(line.link.sample(line.now))
+    assert line.link.wake_at == NEVER
+    assert line.sent == []
+    line.takes(line.link.receive(Packet("line", LINE_BACK, b""), line.now))
+    assert line.link.lost is None
+
+
+@pytest.mark.parametrize("act", [lambda line: line.link.beat(0), lambda line: line.driver.release()])
+def test_nothing_is_sent_that_no_answer_would_come_to(act: Callable[[Line], tuple[Packet, ...]]) -> None:
+    assert act(Line().is_up()) == ()
