@@ -264,6 +264,14 @@ class Beside:
     """Their addresses, as text."""
 
 
+def _kind_of(robot: AnyRobot, link: str) -> str:
+    return robot.links[link].kind
+
+
+def _silent(_node: Node, _link: str) -> None:
+    """Report nothing."""
+
+
 def _no_faults() -> "Sequence[FaultKind]":
     return ()
 
@@ -296,7 +304,11 @@ class EmulatedFamily:
     alone_faults: Callable[[], Mapping[str, str]] | None = None
     """Return the faults that `emulate` puts on one device alone, and where; None without any."""
     on_ports: "Callable[[AnyRobot, RobotOptions], Emulation] | None" = None
-    """Make a robot of its devices for `emulate ROBOT`; None: they only look at those of others."""
+    """Make a robot of its devices for `emulate ROBOT`; None: each is on a serial line of its own."""
+    spoken: Callable[[AnyRobot, str], str] = _kind_of
+    """Describe for people what a device on a line speaks."""
+    reports_to_console: Callable[[Node, str], None] = _silent
+    """Let a device, by its link's name, report on the console what a real one shows to no one."""
     beside: Callable[[AnyRobot, Devices], Beside] | None = None
     """Return its observers for real ports; None without any."""
     presence: Callable[[str, int], Question] | None = None

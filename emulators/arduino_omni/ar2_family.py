@@ -7,7 +7,6 @@ from emulators.arduino_omni.ar2.board import Ar2Board
 from emulators.arduino_omni.ar2.firmwares import FIRMWARES
 from emulators.arduino_omni.ar2.plant_joints import ANGLES, FIELDS, INPUTS, STEP, PlantJoints, SteppedJoints
 from emulators.arduino_omni.board_line import BoardLine, board_line
-from emulators.arduino_omni.real_ports import on_ports
 from emulators.family import BridgeLink, BuildOrder, Built, EmulatedFamily, Line, Plan, Station, Way
 from emulators.servo.fmu_axes import PlantNeeds
 from firmware_bridge.families.ar2 import wire
@@ -49,12 +48,19 @@ def _protocols(robot: AnyRobot, link: str) -> tuple[str, ...]:
     return (Ar2Link.of_link(robot, link).protocol.value,)
 
 
+def _reports(node: Node, link: str) -> None:
+    from emulators.arduino_omni.commands.reported import keeping_reported  # noqa: PLC0415 - a command's own
+
+    if isinstance(node, Ar2Board):
+        keeping_reported(node.mega, link)
+
+
 FAMILY: Final = EmulatedFamily(
     links=(Ar2Link,),
     plans=_plans,
     line=_line,
     electric=False,
     protocols=_protocols,
-    on_ports=on_ports,
+    reports_to_console=_reports,
     questions={Ar2Firmware.AR2_2_0: (b"WTS0" + wire.END, wire.DONE)},
 )

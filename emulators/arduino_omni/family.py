@@ -9,7 +9,6 @@ from emulators.arduino_omni.board_line import BoardLine, board_line
 from emulators.arduino_omni.fmu_load import torque_constant
 from emulators.arduino_omni.motors import MotorLoad
 from emulators.arduino_omni.presence import QUESTIONS
-from emulators.arduino_omni.real_ports import on_ports
 from emulators.arduino_omni.shield_motors import ShieldMotor, ShieldMotors
 from emulators.family import (
     BridgeLink,
@@ -131,6 +130,18 @@ def _alone_faults() -> dict[str, str]:
     return {name: ", ".join(row.nodes) for name, row in FAULTS.items()}
 
 
+def _reports(node: Node, link: str) -> None:
+    from emulators.arduino_omni.commands.reported import keeping_reported  # noqa: PLC0415 - a command's own
+
+    if isinstance(node, Board):
+        keeping_reported(node.mega, link)
+
+
+def _spoken(robot: AnyRobot, link: str) -> str:
+    table = ShieldLink.of_link(robot, link)
+    return f"{table.protocol.value}, {table.counted} encoders{'' if table.stock else ', not stock'}"
+
+
 FAMILY: Final = EmulatedFamily(
     links=(ShieldLink,),
     plans=_plans,
@@ -139,6 +150,7 @@ FAMILY: Final = EmulatedFamily(
     traits=frozenset({Trait.MOTOR, Trait.ENCODER}),
     faults=_faults,
     alone_faults=_alone_faults,
-    on_ports=on_ports,
+    spoken=_spoken,
+    reports_to_console=_reports,
     questions=QUESTIONS,
 )

@@ -80,17 +80,18 @@ class RobotOptions(Outside):
 
 def start(given: RobotOptions) -> Emulation:
     """Make the devices of `emulate ROBOT`; an error ends the program with a message."""
+    from emulators.cli.emulate_lines import emulate_lines
     from emulators.family import families_of
     from firmware_bridge.cli.robot_argument import find_robot
     from firmware_bridge.robot import RobotFileError
 
     machine = find_robot(given.robot)
     with one_message(RobotFileError):
-        ways = list(dict.fromkeys(one.on_ports for one in families_of(machine) if one.on_ports is not None))
-    # Boards of two families share one way.
+        ways = {one.on_ports or emulate_lines for one in families_of(machine) if one.observe is None}
     if len(ways) > 1:
         raise refusal(f"{machine.name} has boards and drives: real ports take one of both; use `bench`")
-    return ways[0](machine, given)
+    (way,) = ways
+    return way(machine, given)
 
 
 def run(given: RobotOptions) -> None:

@@ -186,7 +186,7 @@ def test_an_arms_firmware_that_there_is_not_is_answered_with_those_that_there_ar
 
 def test_a_robot_of_two_boards_wants_a_line_for_each() -> None:
     line = refused("emulate", "rome_arm", "--serial", "/dev/null")
-    assert line.endswith("--serial /dev/null: rome_arm has several boards; use --serial pty")
+    assert line.endswith("--serial /dev/null: rome_arm has several lines; use --serial pty")
     line = refused("drive", "rome_arm", "--serial", "/dev/null")
     assert "rome_arm has several links (board, arm); use --link NAME=PLACE for each" in line
 

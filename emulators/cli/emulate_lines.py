@@ -1,11 +1,10 @@
-"""A robot's boards on serial lines, at the command line."""
+"""A robot whose devices are on serial lines, each on its own, at the command line."""
 
 from functools import partial
 from typing import TYPE_CHECKING
 
 from emulators.cli.emulation import Emulation
 from firmware_bridge.cli.console import one_message
-from firmware_bridge.families.ar2.settings import Ar2Link
 from firmware_bridge.node import SERIAL, Node
 from firmware_bridge.recording import device_side
 from firmware_bridge.runtime.black_box import SERIAL_LOG
@@ -17,14 +16,12 @@ if TYPE_CHECKING:
     from firmware_bridge.runtime.ports import Port
 
 
-def emulate_boards(machine: "AnyRobot", given: "RobotOptions") -> Emulation:
-    """Make a robot's boards, with its plant at the shield's terminals, or on its pulses."""
-    from emulators.arduino_omni.ar2.board import Ar2Board
-    from emulators.arduino_omni.board import Board
-    from emulators.arduino_omni.commands.reported import keeping_reported
+def emulate_lines(machine: "AnyRobot", given: "RobotOptions") -> Emulation:
+    """Make a robot's devices above its plant; one message for what cannot be."""
     from emulators.cli.beginning import report_beginning
     from emulators.cli.beside import beside_of
     from emulators.devices import devices
+    from emulators.family import Way, family_of
     from emulators.gateway import Cluster
     from emulators.servo.bank import ServoError
     from firmware_bridge.cli.fitted import linked
@@ -38,26 +35,26 @@ def emulate_boards(machine: "AnyRobot", given: "RobotOptions") -> Emulation:
         report_beginning(machine, given.plant)
         emulated = devices(machine, given.plant)
         cameras = beside_of(machine, emulated)
-    boards = emulated.nodes(Board) | emulated.nodes(Ar2Board)
-    alone = len(boards) == 1
-    links = {name: SERIAL if alone else name for name in boards}
-    for name, board in boards.items():
-        keeping_reported(board.mega, name)
-    node: Node = next(iter(boards.values()))
+    own = {one.link: one for one in emulated.stations.values() if Way.LINE in one.on.values()}
+    alone = len(own) == 1
+    links = {name: SERIAL if alone else name for name in own}
+    for name, one in own.items():
+        family_of(machine, name).reports_to_console(one.node, name)
+    node: Node = next(iter(own.values())).node
     if cameras.members or not alone:
-        members: dict[str, Node] = {**boards, **cameras.members}
+        members: dict[str, Node] = {**{name: one.node for name, one in own.items()}, **cameras.members}
         lines = {name: {SERIAL: link} for name, link in links.items()}
         node = Cluster(members, emulated.physics, links={**lines, **cameras.links})
     files = {link: SERIAL_LOG if alone else f"{name}-{SERIAL_LOG}" for name, link in links.items()}
     kinds = kinds_of(machine)
     called = {link: device_side(name, kinds[name]) for name, link in links.items()}
-    spoken_there = ", ".join(_spoken(machine, name) for name in links)
+    spoken_there = ", ".join(family_of(machine, name).spoken(machine, name) for name in links)
 
     def opened() -> "tuple[Openers, str]":
         ports = {name: _line_of(machine, name, given, alone=alone) for name in links}
-        of_boards = (f"{'' if alone else f'{name} on '}{line.name}" for name, line in ports.items())
+        at_lines = (f"{'' if alone else f'{name} on '}{line.name}" for name, line in ports.items())
         lines: Openers = {links[name]: partial(_same, line) for name, line in ports.items()}
-        return {**lines, **cameras.openers}, ", ".join((*of_boards, *cameras.where))
+        return {**lines, **cameras.openers}, ", ".join((*at_lines, *cameras.where))
 
     return Emulation(
         node=node,
@@ -75,7 +72,7 @@ def _same(port: "Port") -> "Port":
 
 
 def _line_of(machine: "AnyRobot", name: str, given: "RobotOptions", *, alone: bool) -> "Port":
-    """Open the line to a board; where there are several each has a pseudo-terminal of its own. PortError."""
+    """Open the line to a device; where there are several each has a pseudo-terminal of its own. PortError."""
     from firmware_bridge.cli.links import open_serial
     from firmware_bridge.runtime.ports import PortError
     from firmware_bridge.runtime.ports.pseudo_terminal import WORD
@@ -86,15 +83,5 @@ def _line_of(machine: "AnyRobot", name: str, given: "RobotOptions", *, alone: bo
     if alone:
         return open_serial(device, rate, link)
     if device != WORD:
-        raise PortError(f"--serial {device}: {machine.name} has several boards; use --serial {WORD}")
+        raise PortError(f"--serial {device}: {machine.name} has several lines; use --serial {WORD}")
     return open_serial(device, rate, None if link is None else link.with_name(f"{link.name}-{name}"))
-
-
-def _spoken(machine: "AnyRobot", name: str) -> str:
-    """Return what a board speaks."""
-    from firmware_bridge.families.motor_shield.settings import ShieldLink
-
-    table = machine.links[name]
-    if not isinstance(table, ShieldLink):
-        return Ar2Link.of_link(machine, name).protocol.value
-    return f"{table.protocol.value}, {table.counted} encoders{'' if table.stock else ', not stock'}"
