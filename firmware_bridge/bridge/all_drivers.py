@@ -1,9 +1,11 @@
 """The drivers of all links of one robot, as the cycle commands them."""
 
+from collections import deque
 from collections.abc import Collection, Mapping
 from typing import Final
 
-from firmware_bridge.drivers.driver import Driver, Feedback, Level, Reading, SetPoint, Speed, Stop, Task
+from firmware_bridge.drivers.driver import Driver, Feedback, Level, Reading, SetPoint, Speed, Stop
+from firmware_bridge.drivers.life_cycle import AT_REST, START_UP, Task, Transition
 from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -28,16 +30,19 @@ class AllDrivers:
         self.drivers: Final[tuple[Driver, ...]] = tuple(
             driver for link_drivers in all_drivers for driver in link_drivers.drivers
         )
+        self._start = deque(START_UP)
+        self.task: Task | None = None
+        """The newest one of the start; None before the first."""
 
     @property
-    def busy(self) -> bool:
-        """True while any device has tasks under way."""
-        return any(link_drivers.busy for link_drivers in self.all)
+    def busy(self) -> list[Driver]:
+        """The drivers with a transition under way."""
+        return [driver for driver in self.drivers if driver.state not in AT_REST]
 
     @property
     def failures(self) -> tuple[str, ...]:
-        """The reasons why tasks failed, one line for each device that did."""
-        return tuple(failure for link_drivers in self.all for failure in link_drivers.failures)
+        """The reasons why transitions failed, one line for each device that did."""
+        return tuple(str(driver.failure) for driver in self.drivers if driver.failure is not None)
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -126,11 +131,16 @@ class AllDrivers:
         """Withhold the beats of a link, so that its devices stop by their own watch."""
         self._silent_until[link] = max(until, self._silent_until.get(link, until))
 
-    def begin(
-        self, tasks: tuple[Task, ...], now: Nanoseconds, without: frozenset[str] = frozenset()
-    ) -> tuple[Packet, ...]:
-        """Let all devices do these tasks, side by side; those of the axes `without` are left alone."""
-        return joined([link_drivers.begin(tasks, now, without) for link_drivers in self.all])
+    def start(self, now: Nanoseconds, without: frozenset[str], *, power: bool) -> tuple[Packet, ...] | None:
+        """Begin the next task of the start with all devices but those of the axes `without`, side by side.
+
+        None where none is left, or none without `power`.
+        """
+        if not self._start or (self._start[0][0] is Transition.ACTIVATE and not power):
+            return None
+        transition, self.task = self._start.popleft()
+        used = [driver for driver in self.drivers if driver.axis.name not in without]
+        return joined([driver.begin(transition, now, self.task) for driver in used])
 
     def sample(self, cycle: int, now: Nanoseconds) -> tuple[Packet, ...]:
         """Begin a cycle, the `cycle`-th: sample the devices of each link that is due."""

@@ -7,7 +7,6 @@ brings the drives to standstill by a path without interlocks and operator. An ax
 standstill, or at the end power off, is stopped by further stop stages.
 """
 
-from collections import deque
 from collections.abc import Mapping
 from enum import Enum
 from typing import Final
@@ -18,7 +17,8 @@ from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.pipeline import Pipeline
 from firmware_bridge.bridge.stops import AxisStop
 from firmware_bridge.drivers.all_drivers import all_drivers_of
-from firmware_bridge.drivers.driver import BRING_UP, Stop, Task
+from firmware_bridge.drivers.driver import Stop
+from firmware_bridge.drivers.life_cycle import Task, Transition
 from firmware_bridge.intent import Answer, ConfirmPosition, Disarm, EmergencyStop, Request
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
@@ -102,8 +102,6 @@ class Bridge:
         for request in confirmed:
             self._pipeline.check(request)
         self._confirmed = ConfirmedAtStart(confirmed)
-        self._tasks = deque(BRING_UP)
-        self._task: Task | None = None
         self._cycle_at: Nanoseconds | None = None
         """None before the first wake."""
         self._cycles = 0
@@ -211,7 +209,7 @@ class Bridge:
             self._collect_until = NEVER
             self._standstill_until = now + STANDSTILL_WITHIN
             self.phase = Phase.STOPPING
-        elif self._task is None:
+        elif self._all_drivers.task is None:
             # It has sent nothing to any device, and leaves them as they are.
             self.phase = Phase.FINISHED
         elif self.phase in (Phase.STARTING, Phase.FAILED):
@@ -235,7 +233,7 @@ class Bridge:
             self._run(now)
 
     def _begin_cycle(self, now: Nanoseconds) -> None:
-        if self._task in (Task.START, Task.ENABLE):
+        if self._all_drivers.task in (Task.START, Task.ENABLE):
             self._synchronized_at = now
             self._outbox += self._all_drivers.sample(self._cycles, now)
         self._cycles += 1
@@ -250,7 +248,7 @@ class Bridge:
         elif self.phase is Phase.STOPPING:
             self._come_to_standstill(now)
         else:
-            if self.phase is not Phase.STARTING and self._task is not None:
+            if self.phase is not Phase.STARTING and self._all_drivers.task is not None:
                 self._disable_unconfirmed(now)
             self._outbox += self._pipeline.reported(
                 (self._waiting(now), *self._permission.interlock_events), now
@@ -278,7 +276,7 @@ class Bridge:
     def _wake_at(self) -> Nanoseconds:
         if self.phase is Phase.FINISHED or self._cycle_at is None:
             return NEVER
-        if self.phase is Phase.FAILED and self._task is None:
+        if self.phase is Phase.FAILED and self._all_drivers.task is None:
             return self._cycle_at
         first = min(self._cycle_at, self._collect_until)
         first = min(first, self._release_at)
@@ -296,27 +294,28 @@ class Bridge:
 
     def _start_up(self, now: Nanoseconds) -> None:
         """Take all drives to the next task; where one failed, switch all of them off and say so."""
-        failures = self._all_drivers.failures
         if self._refused(now):
             return
+        permission, failures = self._permission, self._all_drivers.failures
         if failures:
             self.failure = "; ".join(failures)
             self.phase = Phase.FAILED
             self._begin_to_leave(now)
-        elif self._tasks and not (self._tasks[0] is Task.ENABLE and self._permission.forbids_power):
-            self._task = self._tasks.popleft()
-            self._outbox += self._all_drivers.begin((self._task,), now, self._permission.rules.without)
+            return
+        sent = self._all_drivers.start(now, permission.rules.without, power=not permission.forbids_power)
+        if sent is not None:
+            self._outbox += sent
         else:
             self.phase = Phase.RUNNING
             self._operator.note(self._all_drivers.remarks)
 
     def _refused(self, now: Nanoseconds) -> bool:
         """Return whether a second controller was received before anything was sent; it stays silent then."""
-        starts = self._task is None and self.phase is Phase.STARTING
+        starts = self._all_drivers.task is None and self.phase is Phase.STARTING
         if starts and (masters := self._all_drivers.masters(now)):
             self.failure = "; ".join(f"link '{name}': {what}" for name, what in masters.items())
             self.phase = Phase.FAILED
-        return self._task is None and self.phase is Phase.FAILED
+        return self._all_drivers.task is None and self.phase is Phase.FAILED
 
     def _come_to_standstill(self, now: Nanoseconds) -> None:
         (commanded, at_standstill), permission = self._pipeline.come_to_standstill(now), self._permission
@@ -343,7 +342,7 @@ class Bridge:
         given_up = self._permission.stops.given_up
         for driver in self._all_drivers.drivers:
             if driver not in given_up:
-                self._outbox += driver.begin((Task.LEAVE,), now)
+                self._outbox += driver.begin(Transition.DEACTIVATE, now)
 
     def _disable_unconfirmed(self, now: Nanoseconds) -> None:
         """Take the power from those that have not confirmed that it is off, until all steps were tried."""
@@ -351,26 +350,27 @@ class Bridge:
         if self._left is None:
             if self._all_drivers.busy and now < self._leave_until:
                 return
-            slow = [driver for driver in self._all_drivers.drivers if driver.busy]
+            slow = self._all_drivers.busy
             failed = [driver for driver in self._all_drivers.drivers if driver.failure is not None]
             self._left = {driver.axis.name for driver in (*slow, *failed, *stops.given_up)}
             for driver in slow:
-                self._outbox += driver.begin((), now)
+                self._outbox += driver.begin(Transition.END, now)
         self._outbox += self._pipeline.disable(self._left, now)
         if self.phase is Phase.LEAVING and not stops.under_way:
             self.phase = Phase.FINISHED
 
     def _receive_operator(self, packet: Packet, now: Nanoseconds) -> None:
-        stopped = self._permission.emergency_stopped
+        permission, drivers = self._permission, self._all_drivers
+        stopped = permission.emergency_stopped
         self._outbox += self._operator.receive(
             packet.payload, now, lambda request: self._decide(request, now), packet.address
         )
-        if self.phase is Phase.RUNNING and self._permission.emergency_stopped and not stopped:
-            self._outbox += self._permission.end_start_ups(now)
+        if self.phase is Phase.RUNNING and permission.emergency_stopped and not stopped:
+            self._outbox += permission.end_start_ups(now)
             self._run(now)
-        elif self.phase is Phase.STARTING and self._task is Task.ENABLE and self._permission.forbids_power:
-            # That ends the task, and the start-up goes on without it.
-            self._outbox += self._all_drivers.command_all(Stop.POWER_OFF)
+        elif permission.forbids_power and self.phase is Phase.STARTING and drivers.task is Task.ENABLE:
+            # That ends activating, and the start-up goes on without it.
+            self._outbox += drivers.command_all(Stop.POWER_OFF)
 
     def _decide(self, request: Request, now: Nanoseconds) -> Answer:
         stops = isinstance(request, EmergencyStop) or (isinstance(request, Disarm) and request.force)
@@ -379,7 +379,7 @@ class Bridge:
             return Answer(accepted=True, reason="disarmed by force: the power is being disabled already")
         if self.phase is Phase.RUNNING or stops:
             answer = self._pipeline.decide(request, now)
-            if self._task is None:
+            if self._all_drivers.task is None:
                 # It is remembered: no power comes on. Nothing is sent to the devices while it only listens.
                 self._outbox[:] = [packet for packet in self._outbox if packet.link == OPERATOR]
             return answer
@@ -393,8 +393,8 @@ class Bridge:
         if self.phase is not Phase.STARTING:
             again = self._requested_at <= now < self._requested_at + SECOND_REQUEST_WITHIN
             return ActiveInterlock(ENDS.name, HELD if again else ENDING, ENDS, self._began_at)
-        waiting = [driver.axis.title for driver in self._all_drivers.drivers if driver.busy]
-        step = "" if self._task is None else f" ({self._task.value}: {', '.join(waiting)})"
+        task, waiting = self._all_drivers.task, [driver.axis.title for driver in self._all_drivers.busy]
+        step = "" if task is None else f" ({task.value}: {', '.join(waiting)})"
         hints = "".join(f"; {hint}" for hint in self._all_drivers.hints(now))
         reason = f"the drives are being set up{step}{hints}"
         return ActiveInterlock(STARTING.name, reason, STARTING, self._began_at)

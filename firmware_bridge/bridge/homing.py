@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from firmware_bridge.drivers.driver import Driver, Homed, SetPoint
+from firmware_bridge.drivers.life_cycle import AT_REST, Transition
 from firmware_bridge.intent import (
     NEVER_RECEIVED,
     ChangeDriver,
@@ -82,7 +83,7 @@ class HomingSequence:
         self._place = self._low = self._high = 0.0
         self._sampled_at = NEVER_RECEIVED
         self._report(UNDER_WAY, f"{driver.axis.called} is homing", now)
-        return driver.home(now)
+        return driver.begin(Transition.HOME, now)
 
     def ordered(self, request: Request) -> None:
         """Take note of a request: one for a stop ends the homing."""
@@ -95,7 +96,7 @@ class HomingSequence:
         if driver is None:
             self._forget(facts)
             return
-        if not driver.busy:
+        if driver.state in AT_REST:
             self._ended(driver, now)
             return
         kept = self.kept_by(driver.axis, events)

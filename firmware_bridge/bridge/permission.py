@@ -11,7 +11,8 @@ from firmware_bridge.bridge.all_drivers import AllDrivers
 from firmware_bridge.bridge.homing import HomingSequence
 from firmware_bridge.bridge.power_down import HELD, PowerDown
 from firmware_bridge.bridge.stops import Stops
-from firmware_bridge.drivers.driver import BRING_UP, Driver, Power, Stop, Task
+from firmware_bridge.drivers.driver import Driver, Power, Stop
+from firmware_bridge.drivers.life_cycle import AT_REST, NOT_ENDED, DriverState, Transition
 from firmware_bridge.intent import (
     NEVER_RECEIVED,
     Answer,
@@ -113,8 +114,8 @@ class Permission:
         """End the start-ups that were requested: a stop was ordered. Not those by which a slope is held."""
         if self.power_down.under_way:
             return ()
-        waiting = [driver for driver in self._all_drivers.drivers if driver.busy and not driver.stopping]
-        return tuple([packet for driver in waiting for packet in driver.begin((), now)])
+        waiting = [driver for driver in self._all_drivers.busy if driver.state not in NOT_ENDED]
+        return tuple([packet for driver in waiting for packet in driver.begin(Transition.END, now)])
 
     def part(self, events: tuple[ActiveInterlock, ...], clearing: Collection[str]) -> None:
         """Require neutral controls where an active interlock needs it.
@@ -128,7 +129,7 @@ class Permission:
     def watch(self, events: tuple[ActiveInterlock, ...]) -> None:
         """Do what active interlocks require: disarm, latch the emergency stop, disable an axis's power."""
         # A driver that has ended is forgotten: later it may be busy with something else.
-        self._confirming = [driver for driver in self._confirming if driver.busy]
+        self._confirming = [driver for driver in self._confirming if driver.state not in AT_REST]
         for event in events:
             if event.interlock.latches:
                 self.emergency_stopped = True
@@ -297,11 +298,12 @@ class Permission:
         return Answer(accepted=False, reason=f"enabling {', '.join(named)} again, arm again", temporary=True)
 
     def _enable(self, driver: Driver, now: Nanoseconds) -> None:
-        if not driver.busy:
+        state = driver.state
+        if state in AT_REST:
             # A device that was silent may have restarted with other settings: it is set up from the
             # beginning.
-            lost = not driver.configured or self._silent(driver, now)
-            self._outbox += driver.begin(BRING_UP if lost else (Task.ENABLE,), now)
+            kept = state in (DriverState.INACTIVE, DriverState.ACTIVE) and not self._silent(driver, now)
+            self._outbox += driver.begin(Transition.ACTIVATE if kept else Transition.RECOVER, now)
 
     def _disarm(self, seen: AnySnapshot) -> Answer:
         # EN 60204-1, stop category 2: the drives keep their power at standstill, on a slope too.
@@ -358,11 +360,15 @@ class Permission:
 
     def _under_confirmation(self, now: Nanoseconds) -> list[Driver]:
         """Return the drivers that write a confirmed position; a silent one is not waited for."""
-        return [driver for driver in self._confirming if driver.busy and not self._silent(driver, now)]
+        return [
+            driver
+            for driver in self._confirming
+            if driver.state not in AT_REST and not self._silent(driver, now)
+        ]
 
     def _ready(self, driver: Driver, now: Nanoseconds) -> bool:
         feedback = driver.feedback
-        fit = driver.configured and not driver.busy and not self._silent(driver, now)
+        fit = driver.state is DriverState.ACTIVE and not self._silent(driver, now)
         return fit and feedback.power is Power.ON and not feedback.fault
 
     def _silent(self, driver: Driver, now: Nanoseconds) -> bool:

@@ -14,7 +14,8 @@ from math import inf, isfinite, nan
 from typing import Final, NamedTuple
 
 from firmware_bridge.bridge.all_drivers import AllDrivers
-from firmware_bridge.drivers.driver import Driver, Power, Reports, Stop, Task
+from firmware_bridge.drivers.driver import Driver, Power, Reports, Stop
+from firmware_bridge.drivers.life_cycle import AT_REST, Transition
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Unpowered
@@ -161,6 +162,11 @@ class PowerDown:
         """True from the base's standstill on, until it is proved to stay so without power."""
         return self.stage not in (PowerDownStage.KEPT, PowerDownStage.POWERED_DOWN)
 
+    @property
+    def _busy(self) -> bool:
+        """True while the driver of a free axis has a transition under way."""
+        return any(axis.driver.state not in AT_REST for axis in self._free)
+
     def stop_for(self, *, standstill: bool, now: Nanoseconds, without: Collection[str] = ()) -> Stop | None:
         """Go on where the power shall go; return what all axes shall do, None while the base does not rest.
 
@@ -180,7 +186,7 @@ class PowerDown:
 
     def not_requested(self, now: Nanoseconds) -> None:
         """Keep the power as it is; an axis that has lost its own is still watched, until it has it again."""
-        if self.stage is PowerDownStage.WATCHED and not any(axis.driver.busy for axis in self._free):
+        if self.stage is PowerDownStage.WATCHED and not self._busy:
             self._watch(now)
         else:
             self._forget(now)
@@ -231,7 +237,7 @@ class PowerDown:
         if self.stage in (PowerDownStage.WATCHED, PowerDownStage.POWERED_DOWN):
             return Stop.POWER_OFF
         # A quick stop would end the tasks that give power again.
-        return Stop.STANDSTILL if any(axis.driver.busy for axis in self._free) else Stop.QUICK_STOP
+        return Stop.STANDSTILL if self._busy else Stop.QUICK_STOP
 
     def _look_again(self, since: Nanoseconds) -> None:
         self._looks_from = since
@@ -267,7 +273,7 @@ class PowerDown:
             # All of them, as they lost it together. A fault is reset by the operator only.
             for axis in free:
                 if axis.driver.feedback.power is not Power.FAULT:
-                    self._outbox += axis.driver.begin((Task.ENABLE,), now)
+                    self._outbox += axis.driver.begin(Transition.ACTIVATE, now)
             called = slips.driver.axis.called
             self._keep(f"on a slope: held with power; {called} moved when its power was disabled", now)
         elif now >= self._since + WATCHED_FOR:

@@ -15,6 +15,7 @@ from typing import Final
 from firmware_bridge.bridge.all_drivers import AllDrivers, joined, requests_stop
 from firmware_bridge.drivers.all_drivers import stop_stages_of
 from firmware_bridge.drivers.driver import Driver, Position, Power, SetPoint, Stop
+from firmware_bridge.drivers.life_cycle import AT_REST, NOT_ENDED
 from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN, StopStage, gentle_within, sequence
 from firmware_bridge.intent import NEVER_RECEIVED, Disarm, EmergencyStop, Pause, Request
 from firmware_bridge.packet import Packet
@@ -210,8 +211,8 @@ class AxisStop:
         With `holding` also there, for the power is what stops it then. A start-up has a bound of its own, and
         an order that stops the robot ends it.
         """
-        driver = self.driver
-        if self.escalates or not driver.busy or driver.stopping:
+        driver, state = self.driver, self.driver.state
+        if self.escalates or state in AT_REST or state in NOT_ENDED:
             return False
         moves = self._received(now) and abs(driver.feedback.velocity) > driver.axis.standstill_below
         return holding or not moves
@@ -221,8 +222,8 @@ class AxisStop:
         stage, driver = self.stage, self.driver
         if now >= self.until:
             return True
-        if stage.ends_with_task:
-            return not driver.busy
+        if stage.ends_with_transition:
+            return driver.state in AT_REST
         if stage.ends_power:
             return False
         if now >= self._gentle_until or driver.feedback.received_at >= self._due:
@@ -373,7 +374,7 @@ class Stops:
         if stop.progress is Progress.NOT_REQUESTED or stop.changes_to(off=off):
             stop.begin(now, off=off)
             if stop.stage.whole_board and not stop.confirmed(now):
-                sent = self._task(stop, now)
+                sent = self._begin(stop, now)
         # The bridge itself ramps down while its set-point is a speed other than 0.
         ramped = stop.place == 0 and not requests_stop(set_point) and not isinstance(set_point, Position)
         if not ramped and stop.confirmed(now):
@@ -382,7 +383,7 @@ class Stops:
         # The report is missing, or is of motion with power: the stop begins again.
         if stop.progress is Progress.CONFIRMED:
             stop.begin(now, off=stop.off)
-            sent += self._task(stop, now) if stop.ends_power else ()
+            sent += self._begin(stop, now) if stop.ends_power else ()
         stop.extend(now, ramped=ramped)
         return sent + (self._go_on(stop, now) if stop.late(now) else ())
 
@@ -393,7 +394,7 @@ class Stops:
         if stop.stage.silent:
             # The drives' heartbeat consumers (0x1016) stop them then, with quick stop as reaction (0x6007).
             self._all_drivers.silence(stop.link, stop.until)
-        return self._task(stop, now)
+        return self._begin(stop, now)
 
-    def _task(self, stop: AxisStop, now: Nanoseconds) -> tuple[Packet, ...]:
-        return () if stop.stage.task is None else stop.driver.begin((stop.stage.task,), now)
+    def _begin(self, stop: AxisStop, now: Nanoseconds) -> tuple[Packet, ...]:
+        return () if stop.stage.transition is None else stop.driver.begin(stop.stage.transition, now)

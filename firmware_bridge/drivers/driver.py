@@ -6,9 +6,10 @@ No base class: a driver is anything that has these methods. The reason of a set-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import Final, NamedTuple, Protocol, TypeAlias
+from typing import NamedTuple, Protocol, TypeAlias
 
 from firmware_bridge import renamed
+from firmware_bridge.drivers.life_cycle import DriverState, Task, Transition
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, Output, Sensor
@@ -44,7 +45,7 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Homed:
-    """Go on with `Task.HOME`: the device moves by itself, and is sent nothing."""
+    """Go on homing: the device moves by itself, and is sent nothing."""
 
 
 class Stop(Enum):
@@ -59,39 +60,6 @@ class Stop(Enum):
 
 
 SetPoint: TypeAlias = Speed | Position | Homed | Stop
-
-
-class Task(Enum):
-    """A step of the device's way to power and back; all devices take one before any takes the next."""
-
-    FIND = "find"
-    """Make the device listen, and wait until it answers."""
-    IDENTIFY = "check identity"
-    CONFIGURE = "configure"
-    """Bring it to standstill without power, write the set-up, and read back what safety hangs on."""
-    START = "start"
-    """Let process data flow, and wait until the device reports its state and position."""
-    ENABLE = "enable"
-    """Reset a fault if there is one, and put power on."""
-    LEAVE = "leave"
-    """Take the power off; once the device has confirmed that, end its watch over the bridge's heartbeat."""
-    LISTEN = "listen"
-    """Make the device listen to set-points again, as it is; nothing is waited for."""
-    BRAKE = "quick stop by object"
-    """Quick stop, object by object: for a device that receives no set-points."""
-    DISABLE = "power off by object"
-    """Take the power off in the same way."""
-    RESET = "reset"
-    """Make the device start again: it has no torque then, and loses what it has counted."""
-    SET_ZERO = "set zero"
-    """Have it count from its confirmed position; with power, at standstill, and nothing moves."""
-    HOME = "home"
-    """Home it: it moves to its reference, and counts from there; by the robot file."""
-
-
-BRING_UP: Final = (Task.FIND, Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE)
-STOPPING: Final = (Task.LISTEN, Task.BRAKE, Task.DISABLE, Task.RESET)
-"""They stop the device, so no set-point that stops it ends them."""
 
 
 class StartupError(Exception):
@@ -226,20 +194,12 @@ class Driver(Protocol):
         """Its newest position where it sends some between samples; None where it sends none."""
 
     @property
-    def busy(self) -> bool:
-        """True while tasks are under way."""
-
-    @property
-    def stopping(self) -> bool:
-        """True where the tasks under way stop the device, or were requested by no one: no stop waits then."""
+    def state(self) -> DriverState:
+        """Its place in the life cycle: `firmware_bridge.drivers.life_cycle.TABLE`."""
 
     @property
     def failure(self) -> StartupError | None:
-        """The failure of the last tasks; None without one."""
-
-    @property
-    def configured(self) -> bool:
-        """True while its set-up is in force; not after it restarted."""
+        """The failure, or the refusal, of the last transition; None without one."""
 
     @property
     def unpowered(self) -> bool:
@@ -249,19 +209,17 @@ class Driver(Protocol):
     def wake_at(self) -> Nanoseconds:
         """Time of its next wake-up."""
 
-    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do these tasks in order, in place of those under way."""
+    def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
+        """Begin a transition, or only that one of its tasks, in place of what is under way."""
 
     def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do `Task.SET_ZERO`: the axis stands at this position, in its unit."""
-
-    def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do `Task.HOME`; only for an axis with homing in the robot file."""
+        """Begin `Transition.SET_ZERO`: the axis stands at this position, in its unit."""
 
     def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
-        """Send a set-point; while tasks run only quick stop or power off, and rest to one that homes.
+        """Send a set-point; one that moves an axis which is not active is replaced by standstill.
 
-        Those end the tasks, unless they are of `STOPPING` themselves.
+        While tasks run only quick stop or power off is sent, and rest to one that homes. Those end the
+        tasks, unless they stop the device themselves.
         """
 
     def release(self) -> tuple[Packet, ...]:

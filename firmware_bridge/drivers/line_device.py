@@ -4,7 +4,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar, Final, NamedTuple
 
-from firmware_bridge.drivers.driver import Power, Reports, SetPoint, Task
+from firmware_bridge.drivers.driver import Power, Reports, SetPoint
+from firmware_bridge.drivers.life_cycle import Task
 from firmware_bridge.extensible import extensible
 from firmware_bridge.robot import Axis
 

@@ -11,7 +11,6 @@ from firmware_bridge.drivers.driver import (
     SensorDriver,
     SetPoint,
     Stop,
-    Task,
 )
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.table import LinkTable
@@ -97,16 +96,6 @@ class LinkDrivers:
         return self.link.name
 
     @property
-    def busy(self) -> bool:
-        """True while any drive has tasks under way."""
-        return any(driver.busy for driver in self.drivers)
-
-    @property
-    def failures(self) -> tuple[str, ...]:
-        """The failures of tasks, one line for each drive that has one."""
-        return tuple(str(driver.failure) for driver in self.drivers if driver.failure is not None)
-
-    @property
     def wake_at(self) -> Nanoseconds:
         """Time of the next wake-up of the link or the first drive."""
         first = self.link.wake_at
@@ -127,13 +116,6 @@ class LinkDrivers:
             for name, (reading, silent_ms) in known.items()
             if reading is not None and now - reading.received_at <= silent_ms * MILLISECOND
         }
-
-    def begin(
-        self, tasks: tuple[Task, ...], now: Nanoseconds, without: frozenset[str] = frozenset()
-    ) -> tuple[Packet, ...]:
-        """Let all drives do these tasks, side by side; those of the axes `without` are left alone."""
-        used = [driver for driver in self.drivers if driver.axis.name not in without]
-        return _joined([driver.begin(tasks, now) for driver in used])
 
     def command(self, set_points: Mapping[str, SetPoint]) -> tuple[Packet, ...]:
         """Send each axis its set-point; an axis without one rests."""

@@ -8,15 +8,14 @@ before it, the request for a sample after it. A family gives a
 from typing import Final
 
 from firmware_bridge.drivers.driver import (
-    STOPPING,
     Feedback,
     Power,
     Reports,
     SetPoint,
     StartupError,
     Stop,
-    Task,
 )
+from firmware_bridge.drivers.life_cycle import FOUND, NOT_ENDED, DriverState, LifeCycle, Task, Transition
 from firmware_bridge.drivers.line_device import LineDevice, Report
 from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.intent import NEVER_RECEIVED
@@ -34,7 +33,9 @@ TRIES: Final = 3
 """Requests of a task without an answer, after which it has failed; a device is looked for longer."""
 MISSED: Final[Nanoseconds] = 2_900 * MILLISECOND
 """A device that has not answered by then is reported as missing."""
-FOUND: Final = (Task.FIND, Task.IDENTIFY, Task.CONFIGURE)
+REFUSED: Final = frozenset({Transition.HOME, Transition.SET_ZERO, Transition.RESET})
+"""An axis with travel needs a driver of its own; so does a device that can be reset."""
+UNFOUND: Final = "it has to be found first"
 
 
 class LineAxis:
@@ -89,25 +90,15 @@ class LineAxis:
         """None: its device sends no position between samples."""
 
     @property
-    def busy(self) -> bool:
-        """True while tasks are under way."""
-        return bool(self._line.under_way)
-
-    @property
-    def stopping(self) -> bool:
-        """True where the tasks under way stop the device, or were requested by no one."""
-        return self._line.stops
+    def state(self) -> DriverState:
+        """Its place in the life cycle."""
+        return self._line.life.seen(configured=self._line.configured)
 
     @property
     def failure(self) -> StartupError | None:
-        """The failure of the last tasks."""
-        problem = self._line.problem
+        """The failure of the last transition."""
+        problem = self._line.life.problem
         return None if problem is None else StartupError(self.axis, problem)
-
-    @property
-    def configured(self) -> bool:
-        """True where the device was found, and not lost since."""
-        return self._line.configured
 
     @property
     def unpowered(self) -> bool:
@@ -119,28 +110,27 @@ class LineAxis:
         """Never: the line is woken."""
         return NEVER
 
-    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do these tasks in order, in place of those under way."""
-        return self._line.begin(tasks, now)
+    def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
+        """Begin a transition, or only that one of its tasks, in place of what is under way."""
+        return self._line.begin(transition, now, task)
 
     def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing: an axis with travel needs a driver of its own."""
-        del position, now
-        return ()
-
-    def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing, as above."""
-        del now
-        return ()
+        """Refuse it: an axis with travel needs a driver of its own."""
+        del position
+        return self._line.begin(Transition.SET_ZERO, now)
 
     def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
         """Note a set-point; while tasks are under way only one that stops, unless they do so themselves."""
-        if self._line.under_way:
-            if set_point not in {Stop.QUICK_STOP, Stop.POWER_OFF} or self._line.stops:
+        life = self._line.life
+        if life.tasks:
+            if set_point not in {Stop.QUICK_STOP, Stop.POWER_OFF} or life.state in NOT_ENDED:
                 return ()
             self._line.end_tasks()
         if set_point is Stop.POWER_OFF:
             self._enabled = False
+            life.power_off()
+        elif not isinstance(set_point, Stop) and self.state is not DriverState.ACTIVE:
+            set_point = Stop.STANDSTILL
         self._line.note(self._device.request(set_point))
         return ()
 
@@ -182,16 +172,14 @@ class RequestLine:
         """Requests so far."""
         self.busy: Nanoseconds = 0
         """Time in which an answer was awaited."""
-        self.under_way: tuple[Task, ...] = ()
+        self.life: Final = LifeCycle(REFUSED)
         self.configured = False
-        self.problem: str | None = None
+        """True where the device was found, and not lost since."""
         self.driver: Final = LineAxis(device, self)
         self._device: Final = device
         self._table: Final = table
         self._reader: Final = LineReader(device.end)
         self._gone = self._found_once = False
-        self._restores = False
-        """True where the tasks under way were requested by no one: the device was lost."""
         self._todo: tuple[bytes, ...] = ()
         """Requests of the task under way that are not answered."""
         self._set_point: bytes | None = None
@@ -216,7 +204,7 @@ class RequestLine:
     def hint(self, now: Nanoseconds) -> str:
         """Return what to check where the device is looked for in vain."""
         since = self._found_until - self._table.found_within_ms * MILLISECOND
-        missed = self.under_way[:1] == (Task.FIND,) and now - since >= MISSED
+        missed = self.life.tasks[:1] == (Task.FIND,) and now - since >= MISSED
         return f"{self.name}: {self._table.silent_hint}" if missed else ""
 
     def master(self, _now: Nanoseconds) -> None:
@@ -230,25 +218,20 @@ class RequestLine:
         waits = self._todo or self._set_point is not None or self._sample_due
         return 0 if waits and not self._gone else NEVER
 
-    @property
-    def stops(self) -> bool:
-        """True where the tasks under way stop the device: no set-point that does so ends them."""
-        return self._restores or any(task in STOPPING for task in self.under_way)
-
     # For the axis
 
-    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Begin these tasks."""
+    def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
+        """Begin a transition, or one of its tasks."""
         self.end_tasks()
-        self.problem, self._set_point = None, None
-        self.under_way = tasks
+        self._set_point = None
+        self.life.begin(transition, task)
         self._open_task(now)
         return self._go_on(now)
 
     def end_tasks(self) -> None:
         """Do those under way no more."""
-        self.under_way, self._todo = (), ()
-        self._restores = self._of_task = False
+        self.life.end()
+        self._drop()
 
     def note(self, request: bytes) -> None:
         """Send a set-point as soon as the line is free, in place of one that waits."""
@@ -264,9 +247,9 @@ class RequestLine:
             self.late += 1
         elif self.configured:
             self._sample_due = True
-        elif not self.under_way and self._found_once and not self._gone:
+        elif not self.life.tasks and self._found_once and not self._gone:
             # Lost, without a command: it is set up again when it answers, but not enabled.
-            self.under_way, self._restores = FOUND, True
+            self.life.restore(FOUND)
             self._open_task(now)
         self._cycle_at = now
         return self._go_on(now)
@@ -280,7 +263,7 @@ class RequestLine:
         if packet.address == LINE_LOST and not packet.payload:
             self._gone, self._open = True, None
             self._forget()
-            if self.under_way:
+            if self.life.tasks:
                 self._fail(LOST)
         elif packet.address == LINE_BACK and not packet.payload:
             self._gone = False
@@ -334,7 +317,7 @@ class RequestLine:
         # The next cycle repeats a set-point and a sample: they are up to date then.
         if self._of_task:
             self._tries += 1
-            finding = self.under_way[0] is Task.FIND
+            finding = self.life.tasks[0] is Task.FIND
             if now >= self._found_until if finding else self._tries >= TRIES:
                 self._fail(f"no answer to {self._todo[0]!r}: {self._table.silent_hint}")
 
@@ -342,8 +325,11 @@ class RequestLine:
 
     def _open_task(self, now: Nanoseconds) -> None:
         """Begin the first of the tasks that are left; one without requests is done at once."""
-        while self.under_way:
-            task, self._tries = self.under_way[0], 0
+        while self.life.tasks:
+            task, self._tries = self.life.tasks[0], 0
+            if task is Task.ENABLE and not self.configured:
+                self._fail(UNFOUND)
+                return
             self.driver.opened(task)
             self._todo = self._device.tasks.get(task, ())
             if task is Task.FIND:
@@ -361,14 +347,16 @@ class RequestLine:
         self._open_task(now)
 
     def _end_task(self) -> None:
-        if self.under_way[0] is Task.CONFIGURE:
+        if self.life.tasks[0] is Task.CONFIGURE:
             self.configured = self._found_once = True
-        self.under_way = self.under_way[1:]
-        self._restores = self._restores and bool(self.under_way)
+        self.life.done()
 
     def _fail(self, problem: str) -> None:
-        self.problem = problem
-        self.end_tasks()
+        self.life.fail(problem)
+        self._drop()
+
+    def _drop(self) -> None:
+        self._todo, self._of_task = (), False
 
     def _forget(self) -> None:
         """Note that the device was silent for too long, or is not reached: it may have started again."""

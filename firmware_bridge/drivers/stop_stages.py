@@ -7,7 +7,8 @@ A stage that its device does not confirm in time is followed by the next one. Th
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.drivers.driver import Stop, Task
+from firmware_bridge.drivers.driver import Stop
+from firmware_bridge.drivers.life_cycle import Transition
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 TAKEN_WITHIN: Final[Nanoseconds] = 5 * SECOND
@@ -34,12 +35,12 @@ class StopStage:
     """An axis that is not seen to slow down is given only so long, beside the ramp; None: as long as any."""
     at_once: bool = False
     """The bridge does not ramp down before it."""
-    task: Task | None = None
-    """The device's task, once, at the begin."""
+    transition: Transition | None = None
+    """The driver's transition, once, at the begin."""
     whole_board: bool = False
-    """No set-point does it for one axis alone: its task is begun also where it is the first stage."""
-    ends_with_task: bool = False
-    """It is over when its task is, whatever that has brought."""
+    """No set-point does it for one axis alone: its transition begins also where it is the first stage."""
+    ends_with_transition: bool = False
+    """It is over when its transition is, whatever that has brought."""
     silent: bool = False
     """Meanwhile the link's devices are not shown that the bridge lives."""
     takes_all: bool = False

@@ -19,6 +19,7 @@ from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.canopen.cia402 import PowerState
+from firmware_bridge.drivers.life_cycle import AT_REST
 from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
 from firmware_bridge.families.epos2.maxon.frame import Generation
 from firmware_bridge.families.epos2.settings import Epos2Link, nodes_on
@@ -203,7 +204,7 @@ def test_no_arming_while_the_adapter_is_out(rides: Ridden) -> None:
     line_of(one).adapter.plugged = False
     one.runs_until(7)
     assert not armed(one)
-    assert not any(drive.busy for drive in one.rig.bridge.all_drivers.drivers)
+    assert all(drive.state in AT_REST for drive in one.rig.bridge.all_drivers.drivers)
 
 
 @pytest.mark.long(beside="test_a_drive_that_falls_silent_on_its_own_link_stops_its_group_alone")

@@ -7,7 +7,7 @@ import pytest
 from firmware_bridge.bridge import Phase
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.drivers.driver import Task
+from firmware_bridge.drivers.life_cycle import Task
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND
 from hil_tests.unit.bridge.bench import ACCEPTED, ARM, DENIED, RPM_AT_03, TEMPORARILY_REJECTED, driving
@@ -28,7 +28,7 @@ def states(bench: "Bench") -> set[PowerState]:
 
 def runs_until(bench: "Bench", task: Task) -> None:
     """Let the start-up come to this task."""
-    while bench.bridge._task is not task:  # noqa: SLF001 - the instant is what the test is about
+    while bench.bridge.all_drivers.task is not task:
         bench.world.run(bench.now + MILLISECOND // 10)
     assert bench.bridge.phase is Phase.STARTING
 

@@ -9,7 +9,8 @@ import pytest
 from firmware_bridge.bridge.power_down import AVERAGED, LOOKED_WITHIN, LOOKS_FOR, SLIPS_S, WATCHED_FOR
 from firmware_bridge.bridge.power_down import PowerDown as Down
 from firmware_bridge.bridge.power_down import PowerDownStage as Stage
-from firmware_bridge.drivers.driver import Power, Reports, Stop, Task
+from firmware_bridge.drivers.driver import Power, Reports, Stop
+from firmware_bridge.drivers.life_cycle import DriverState, Transition
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.unit.pipeline.cart import FakeCart, cart
 
@@ -240,7 +241,7 @@ def test_one_without_power_is_neither_looked_at_nor_given_any(power: Power) -> N
     standing.reports("right", velocity=5.0)
     standing.requests()
     assert standing.cart.drivers["left"].begun == []
-    assert standing.cart.drivers["right"].begun == [Task.ENABLE]
+    assert standing.cart.drivers["right"].begun == [Transition.ACTIVATE]
 
 
 def test_where_nothing_had_power_nothing_gets_it_however_it_is_pushed() -> None:
@@ -327,15 +328,15 @@ def test_one_that_moves_after_it_was_let_go_is_caught(what: dict[str, Any], *, s
     standing.reports("left", **what)
     standing.requests()
     begun = [standing.cart.drivers[name].begun for name in ("left", "right", "brush")]
-    assert begun == ([[Task.ENABLE], [Task.ENABLE], []] if slips else [[], [], []])
+    assert begun == ([[Transition.ACTIVATE], [Transition.ACTIVATE], []] if slips else [[], [], []])
     assert standing.power_down.held is slips
     if slips:
         assert standing.reported() == [
             "on a slope: held with power; node 1 (left) moved when its power was disabled"
         ]
-        standing.cart.drivers["left"].busy = True
+        standing.cart.drivers["left"].state = DriverState.ACTIVATING
         assert standing.requests() is Stop.STANDSTILL, "a quick stop would end what gives it power"
-        standing.cart.drivers["left"].busy = False
+        standing.cart.drivers["left"].state = DriverState.ACTIVE
         assert standing.requests() is Stop.QUICK_STOP
 
 
@@ -357,7 +358,7 @@ def test_one_in_fault_is_not_given_power() -> None:
     standing.reports("left", velocity=5.0)
     standing.requests()
     assert standing.cart.drivers["right"].begun == []
-    assert standing.cart.drivers["left"].begun == [Task.ENABLE]
+    assert standing.cart.drivers["left"].begun == [Transition.ACTIVATE]
 
 
 def test_what_is_not_requested_any_more_is_watched_on_until_someone_gives_power() -> None:
@@ -366,12 +367,12 @@ def test_what_is_not_requested_any_more_is_watched_on_until_someone_gives_power(
     standing.power_down.not_requested(standing.now)
     standing.reports("left", velocity=5.0)
     standing.power_down.not_requested(standing.now)
-    assert standing.cart.drivers["left"].begun == [Task.ENABLE]
+    assert standing.cart.drivers["left"].begun == [Transition.ACTIVATE]
     standing.power_down.not_requested(standing.now)
     assert standing.reported() == []
     standing = Standing()
     standing.lets_go()
-    standing.cart.drivers["right"].busy = True
+    standing.cart.drivers["right"].state = DriverState.ACTIVATING
     standing.reports("left", velocity=5.0)
     standing.power_down.not_requested(standing.now)
     assert standing.cart.drivers["left"].begun == []

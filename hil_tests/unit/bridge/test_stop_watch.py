@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_bridge.bridge.stops import AT_STANDSTILL, SLOWED, Stops
-from firmware_bridge.drivers.driver import Power, SetPoint, Speed, Stop, Task
+from firmware_bridge.drivers.driver import Power, SetPoint, Speed, Stop
+from firmware_bridge.drivers.life_cycle import Transition
 from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
 from hil_tests.unit.pipeline.cart import WHEELS, FakeCart
@@ -27,7 +28,7 @@ STAGES: Final = (
     "silence",
     "reset",
 )
-TASKS: Final = [Task.LISTEN, Task.BRAKE, Task.DISABLE, Task.RESET]
+TASKS: Final = [Transition.LISTEN, Transition.QUICK_STOP, Transition.POWER_OFF, Transition.RESET]
 
 
 class Watched:
@@ -136,7 +137,7 @@ def test_one_that_is_not_received_is_given_its_time_out_and_no_more(power: Power
     assert watched.unconfirmed() is None
     assert watched.looks(1)["left"] is Stop.QUICK_STOP
     assert watched.unconfirmed() == "ramp"
-    assert watched.driver.begun == [Task.LISTEN]
+    assert watched.driver.begun == [Transition.LISTEN]
 
 
 def test_while_the_bridge_itself_ramps_the_drive_is_not_late() -> None:
@@ -239,7 +240,7 @@ def test_a_drive_that_rests_for_a_moment_again_and_again_gets_no_new_time_by_it(
     for cycle in range(200):
         watched.looks(CYCLE)
         watched.reports(0.0 if cycle % every == 0 else 5.0)
-        if taken_at is None and Task.DISABLE in watched.driver.begun:
+        if taken_at is None and Transition.POWER_OFF in watched.driver.begun:
             taken_at = watched.now
     assert taken_at is not None, "5 s after the stop began a stage takes the power, whatever was confirmed"
     assert 4.0 < to_seconds(taken_at - START) <= to_seconds(TAKEN_WITHIN) + 6 * 0.05
@@ -313,13 +314,13 @@ def test_whatever_a_moving_drive_states_the_last_stage_comes_in_bounded_time(
     while not watched.stops.given_up:
         watched.looks(CYCLE)
     assert watched.now - began < 5 * SECOND
-    assert Task.RESET in watched.driver.begun
+    assert Transition.RESET in watched.driver.begun
 
 
 def without_power() -> Watched:
     """A drive that has confirmed the stage that takes its power, and nothing since."""
     watched = Watched()
-    while Task.DISABLE not in watched.driver.begun:
+    while Transition.POWER_OFF not in watched.driver.begun:
         watched.looks(CYCLE)
     watched.driver.unpowered = True
     watched.looks(CYCLE)
@@ -345,9 +346,9 @@ def test_a_drive_set_up_again_after_its_power_off_is_reported_once_more_before_i
     watched.driver.begun.clear()
     watched.driver.unpowered = False
     assert watched.looks(CYCLE)["left"] is Stop.POWER_OFF
-    assert watched.driver.begun == [Task.DISABLE]
+    assert watched.driver.begun == [Transition.POWER_OFF]
     watched.looks(3 * CYCLE)
-    assert watched.driver.begun == [Task.DISABLE], "it has its time to answer"
+    assert watched.driver.begun == [Transition.POWER_OFF], "it has its time to answer"
     watched.driver.unpowered = True
     watched.looks(CYCLE)
     assert watched.confirmed()
@@ -358,7 +359,7 @@ def test_a_drive_that_goes_back_and_forth_about_its_power_is_reset_at_last() -> 
     for cycle in range(200):
         watched.looks(CYCLE)
         watched.driver.unpowered = cycle % 3 == 0
-        if Task.RESET in watched.driver.begun:
+        if Transition.RESET in watched.driver.begun:
             break
-    assert Task.RESET in watched.driver.begun
+    assert Transition.RESET in watched.driver.begun
     assert to_seconds(watched.now - START) < to_seconds(TAKEN_WITHIN) + 1.5, "the silence before it lasts 1 s"

@@ -11,6 +11,7 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
+from firmware_bridge.drivers.life_cycle import DriverState
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.robots.rars import ROBOT_TYPE
@@ -77,7 +78,7 @@ def test_a_mode_waits_for_a_position_and_not_for_what_its_drive_does_later(start
     started.runs(1)
     assert started.arms() == TEMPORARILY_REJECTED
     (steer,) = (it for it in started.bridge.all_drivers.drivers if it.axis.name == "steer")
-    assert steer.busy
+    assert steer.state is DriverState.ACTIVATING
     before = started.reported()
     started.commands(dialect.MAV_CMD_DO_SET_MODE, *mode)
     assert "being confirmed" not in started.reported().removeprefix(before)

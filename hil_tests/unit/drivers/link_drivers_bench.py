@@ -8,7 +8,8 @@ from emulators.epos2.single import DrivesOrder, drives
 from emulators.wires import CanWire, SerialWire
 from emulators.world import Wire, World
 from firmware_bridge.drivers.all_drivers import all_drivers_of
-from firmware_bridge.drivers.driver import BRING_UP, Feedback, Level, Reading, SetPoint, Task
+from firmware_bridge.drivers.driver import Feedback, Level, Reading, SetPoint
+from firmware_bridge.drivers.life_cycle import AT_REST, START_UP, DriverState, Task, Transition
 from firmware_bridge.families.epos2.driver.serial.line import MaxonLine
 from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Driver, Epos2Link
 from firmware_bridge.node import CAN, SERIAL, Node
@@ -25,6 +26,9 @@ class Host:
 
     def __init__(self, robot: AnyRobot) -> None:
         self.all_drivers: Final = {link_drivers.name: link_drivers for link_drivers in all_drivers_of(robot)}
+        self.drivers: Final = [
+            driver for link_drivers in self.all_drivers.values() for driver in link_drivers.drivers
+        ]
         self.set_points: dict[str, SetPoint] = {}
         self.levels: dict[str, Level] = {}
         self.running = False
@@ -34,7 +38,7 @@ class Host:
         self._cycle_at: Nanoseconds = 0
         self._release_at: Nanoseconds = NEVER
         self._beats = dict.fromkeys(self.all_drivers, 0)
-        self._tasks = list(BRING_UP)
+        self._start = list(START_UP)
         self._task: Task | None = None
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
@@ -62,8 +66,8 @@ class Host:
             if self.running or self._task in (Task.START, Task.ENABLE):
                 sent += link_drivers.link.sample(now)
             for driver in link_drivers.drivers if self.running and self.repairs else ():
-                if not driver.configured and not driver.busy:
-                    sent += driver.begin(BRING_UP, now)
+                if driver.state in (DriverState.UNCONFIGURED, DriverState.FAILED):
+                    sent += driver.begin(Transition.RECOVER, now)
             if self.running:
                 sent += (
                     link_drivers.measure(now)
@@ -74,15 +78,13 @@ class Host:
         return sent
 
     def _reaction(self, sent: tuple[Packet, ...], now: Nanoseconds) -> Reaction:
-        if not self.running and not any(link_drivers.busy for link_drivers in self.all_drivers.values()):
-            failures = [
-                failure for link_drivers in self.all_drivers.values() for failure in link_drivers.failures
-            ]
+        if not self.running and not any(driver.state not in AT_REST for driver in self.drivers):
+            failures = [driver.failure for driver in self.drivers if driver.failure is not None]
             assert not failures, failures
-            if self._tasks:
-                self._task = self._tasks.pop(0)
-                for link_drivers in self.all_drivers.values():
-                    sent += link_drivers.begin((self._task,), now)
+            if self._start:
+                transition, self._task = self._start.pop(0)
+                for driver in self.drivers:
+                    sent += driver.begin(transition, now, self._task)
             else:
                 self.running = True
         wake_at = min([self._cycle_at, self._release_at, *self._beats.values()])
@@ -94,7 +96,7 @@ class Host:
 class Bench:
     """One emulated drive for each axis of the robot, with a motor of its own, on the axis's link."""
 
-    def __init__(self, robot: AnyRobot, *, guarding: bool = True) -> None:
+    def __init__(self, robot: AnyRobot, *, guarding: bool = True, host: type[Host] = Host) -> None:
         names = [axis.name for axis in robot.axes]
         gateways = {
             Epos2Axis.of(axis).node: Epos2Link.of_link(robot, axis.link).protocol
@@ -108,7 +110,7 @@ class Bench:
         self.drives: Final = made
         self.axes: Final = {axis.name: axis for axis in bank.axes}
         self.world: Final = World(bank)
-        self.host: Final = Host(robot)
+        self.host: Final = host(robot)
         self.buses: Final = {
             name: CanWire(link.bit_rate, name) for name, link in Epos2Link.all_of(robot).items()
         }

@@ -7,9 +7,10 @@ from typing import Annotated, ClassVar, Final
 import pytest
 from pydantic import Field
 
-from firmware_bridge.drivers.driver import BRING_UP, Feedback, Position, Power, Reports, SetPoint, Stop, Task
+from firmware_bridge.drivers.driver import Feedback, Position, Power, Reports, SetPoint, Stop
+from firmware_bridge.drivers.life_cycle import AT_REST, DriverState, Task, Transition
 from firmware_bridge.drivers.line_device import LineDevice, Report
-from firmware_bridge.drivers.request_line import LOST, TRIES, line_drivers
+from firmware_bridge.drivers.request_line import LOST, TRIES, UNFOUND, line_drivers
 from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.table import LineTable, Medium
@@ -87,10 +88,14 @@ class Line:
         self.receives(request + b"=" + self.state.encode())
 
     def is_up(self) -> "Line":
-        self.takes(self.drivers.begin(BRING_UP, self.now))
-        while self.driver.busy:
+        self.takes(self.driver.begin(Transition.RECOVER, self.now))
+        while self.busy:
             self.answers()
         return self
+
+    @property
+    def busy(self) -> bool:
+        return self.driver.state not in AT_REST
 
     @property
     def feedback(self) -> Feedback:
@@ -98,7 +103,7 @@ class Line:
 
     def shows(self, *, busy: bool | None = None, unpowered: bool | None = None) -> None:
         """Check those that are given."""
-        assert busy in (None, self.driver.busy)
+        assert busy in (None, self.busy)
         assert unpowered in (None, self.driver.unpowered)
 
 
@@ -111,14 +116,18 @@ def test_a_table_of_a_line_is_a_serial_port_with_its_latency() -> None:
 
 def test_the_bring_up_goes_request_by_request_and_ends_with_power() -> None:
     line = Line()
-    assert (line.feedback.power, line.driver.unpowered, line.driver.configured) == (
+    assert (line.feedback.power, line.driver.unpowered, line.driver.state) == (
         Power.UNKNOWN,
         False,
-        False,
+        DriverState.UNCONFIGURED,
     )
     line.is_up()
     assert line.sent == [b"q\n", b"i\n", b"off\n", b"c\n", b"q\n", b"on\n"]
-    assert (line.feedback.power, line.driver.unpowered, line.driver.configured) == (Power.ON, False, True)
+    assert (line.feedback.power, line.driver.unpowered, line.driver.state) == (
+        Power.ON,
+        False,
+        DriverState.ACTIVE,
+    )
     assert (line.feedback.position, line.feedback.velocity) == (1.0, 0.5)
     assert line.driver.failure is None
     assert line.link.wake_at == NEVER
@@ -126,12 +135,12 @@ def test_the_bring_up_goes_request_by_request_and_ends_with_power() -> None:
 
 def test_an_answer_without_a_state_goes_on_and_another_line_does_not() -> None:
     line = Line()
-    line.takes(line.drivers.begin((Task.IDENTIFY,), 0))
+    line.takes(line.driver.begin(Transition.CONFIGURE, 0, Task.IDENTIFY))
     line.receives(b"q=on")
-    assert line.driver.busy
+    assert line.busy
     assert line.feedback.power is Power.UNKNOWN
     line.receives(b"i")
-    assert not line.driver.busy
+    assert not line.busy
 
 
 def test_of_set_points_that_wait_the_newest_is_sent_before_the_sample() -> None:
@@ -168,8 +177,8 @@ def test_a_sample_is_of_the_cycle_that_requested_it_and_a_late_one_is_counted() 
 
 def test_a_device_is_looked_for_until_its_time_is_over_and_the_hint_names_the_port() -> None:
     line = Line()
-    line.takes(line.drivers.begin(BRING_UP, 0))
-    while line.driver.busy:
+    line.takes(line.driver.begin(Transition.RECOVER, 0))
+    while line.busy:
         line.wakes()
     assert line.now >= 500 * MS
     assert set(line.sent) == {b"q\n"}
@@ -180,8 +189,8 @@ def test_a_device_is_looked_for_until_its_time_is_over_and_the_hint_names_the_po
 def test_a_task_s_request_is_repeated_and_then_given_up() -> None:
     line = Line().is_up()
     line.sent.clear()
-    line.takes(line.drivers.begin((Task.DISABLE,), line.now))
-    while line.driver.busy:
+    line.takes(line.driver.begin(Transition.POWER_OFF, line.now))
+    while line.busy:
         line.wakes()
     assert line.sent == [b"off\n"] * TRIES
     assert not line.driver.unpowered
@@ -205,13 +214,13 @@ def test_power_off_counts_when_it_is_reported_and_not_once_power_was_requested()
     line.state = "off"
     line.answers()
     line.shows(unpowered=True)
-    line.takes(line.drivers.begin((Task.ENABLE,), line.now))
+    line.takes(line.driver.begin(Transition.ACTIVATE, line.now))
     line.shows(unpowered=False)
 
 
 def test_while_tasks_are_under_way_only_a_stop_counts_and_it_ends_them() -> None:
     line = Line()
-    line.takes(line.drivers.begin(BRING_UP, 0))
+    line.takes(line.driver.begin(Transition.RECOVER, 0))
     line.driver.command(Position(1.0))
     line.driver.command(Stop.STANDSTILL)
     line.shows(busy=True)
@@ -223,10 +232,10 @@ def test_while_tasks_are_under_way_only_a_stop_counts_and_it_ends_them() -> None
 
 def test_no_set_point_ends_a_task_that_stops() -> None:
     line = Line().is_up()
-    line.takes(line.drivers.begin((Task.DISABLE,), line.now))
-    assert line.driver.stopping
+    line.takes(line.driver.begin(Transition.POWER_OFF, line.now))
+    assert line.driver.state is DriverState.STOPPING
     line.driver.command(Stop.POWER_OFF)
-    assert line.driver.busy
+    assert line.busy
 
 
 def test_a_device_that_was_silent_is_set_up_again_and_not_enabled() -> None:
@@ -234,19 +243,19 @@ def test_a_device_that_was_silent_is_set_up_again_and_not_enabled() -> None:
     line.now = 250 * MS
     line.sent.clear()
     line.takes(line.link.sample(line.now))
-    assert (line.feedback.power, line.driver.configured, line.driver.stopping) == (Power.UNKNOWN, False, True)
-    while line.driver.busy:
+    assert (line.feedback.power, line.driver.state) == (Power.UNKNOWN, DriverState.RESTORING)
+    while line.busy:
         line.answers()
     assert line.sent == [b"q\n", b"i\n", b"off\n", b"c\n"]
     assert (line.feedback.power, line.driver.unpowered) == (Power.OFF, True)
-    assert not line.driver.stopping
+    assert line.driver.state is DriverState.INACTIVE
 
 
 @pytest.mark.parametrize("busy", [False, True])
 def test_a_line_that_is_lost_fails_its_tasks_and_sends_nothing_until_it_is_back(*, busy: bool) -> None:
     line = Line().is_up()
     if busy:
-        line.takes(line.drivers.begin((Task.ENABLE,), line.now))
+        line.takes(line.driver.begin(Transition.ACTIVATE, line.now))
     line.sent.clear()
     line.takes(line.link.receive(Packet("line", LINE_LOST, b""), line.now))
     assert line.link.lost == LOST
@@ -262,3 +271,32 @@ def test_a_line_that_is_lost_fails_its_tasks_and_sends_nothing_until_it_is_back(
 @pytest.mark.parametrize("act", [lambda line: line.link.beat(0), lambda line: line.driver.release()])
 def test_nothing_is_sent_that_no_answer_would_come_to(act: Callable[[Line], tuple[Packet, ...]]) -> None:
     assert act(Line().is_up()) == ()
+
+
+def test_a_lost_device_is_not_activated_and_a_set_point_that_moves_is_standstill_until_it_is() -> None:
+    line = Line().is_up()
+    line.takes(line.driver.begin(Transition.DEACTIVATE, line.now))
+    while line.busy:
+        line.answers()
+    line.driver.command(Position(1.0))
+    line.wakes()
+    assert line.sent[-1] == b"STANDSTILL\n"
+    line.answers()
+    line.takes(line.driver.begin(Transition.ACTIVATE, line.now))
+    line.answers()
+    line.takes(line.link.receive(Packet("line", LINE_LOST, b""), line.now))
+    line.takes(line.link.receive(Packet("line", LINE_BACK, b""), line.now))
+    assert line.driver.state is DriverState.UNCONFIGURED
+    line.sent.clear()
+    line.takes(line.driver.begin(Transition.ACTIVATE, line.now))
+    assert line.sent == []
+    assert UNFOUND in str(line.driver.failure)
+
+
+@pytest.mark.parametrize("transition", [Transition.HOME, Transition.SET_ZERO, Transition.RESET])
+def test_a_transition_that_it_cannot_do_is_refused_by_name(transition: Transition) -> None:
+    line = Line().is_up()
+    line.sent.clear()
+    line.takes(line.driver.begin(transition, line.now))
+    assert line.sent == []
+    assert f"'{transition.value}' is refused" in str(line.driver.failure)

@@ -12,6 +12,7 @@ from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.canopen.sdo_client import Outcome, SdoRefusedError, SdoTimeoutError, Transfer
 from firmware_bridge.drivers.driver import Level, Power, Reading
+from firmware_bridge.drivers.life_cycle import DriverState
 from firmware_bridge.families.epos2.driver.inputs_outputs import (
     AnalogueInput,
     DigitalOutputs,
@@ -190,7 +191,7 @@ def test_after_a_restart_the_outputs_come_back_with_the_set_up(bench: Bench) -> 
 class Bare:
     """A drive that takes requests, and ends them on command."""
 
-    busy, configured, set_ups = False, True, 1
+    state, set_ups = DriverState.ACTIVE, 1
 
     def __init__(self) -> None:
         self.axis = changed(equipped).axes[0]

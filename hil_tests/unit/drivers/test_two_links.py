@@ -6,7 +6,9 @@ from typing import Any, Final
 import pytest
 
 from firmware_bridge.drivers.all_drivers import all_drivers_of
-from firmware_bridge.drivers.driver import BRING_UP, Level, Power, SetPoint, Speed, Stop
+from firmware_bridge.drivers.driver import Level, Power, SetPoint, Speed, Stop
+from firmware_bridge.drivers.life_cycle import Transition
+from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.families.ar2.settings import Ar2Driver
 from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
 from firmware_bridge.families.epos2.settings import Epos2Driver
@@ -51,6 +53,10 @@ def on_both() -> AnyRobot:
     return changed(change)
 
 
+def recovers(link_drivers: LinkDrivers) -> list[Packet]:
+    return [packet for driver in link_drivers.drivers for packet in driver.begin(Transition.RECOVER, 0)]
+
+
 ROBOTS = pytest.mark.parametrize("make", [on_can, on_lines, on_both])
 
 
@@ -69,7 +75,11 @@ def test_each_link_has_drivers_of_its_own_in_the_file_s_order(make: Callable[[],
 def test_what_is_sent_has_the_link_s_name(make: Callable[[], AnyRobot]) -> None:
     for link_drivers in all_drivers_of(make()):
         set_points: dict[str, SetPoint] = {driver.axis.name: Speed(1.0) for driver in link_drivers.drivers}
-        sent = (*link_drivers.begin(BRING_UP, 0), *link_drivers.link.sample(0), *link_drivers.link.beat(0))
+        sent = (
+            *recovers(link_drivers),
+            *link_drivers.link.sample(0),
+            *link_drivers.link.beat(0),
+        )
         sent += (
             *link_drivers.command(dict.fromkeys(set_points, Stop.QUICK_STOP)),
             *link_drivers.command(set_points),
@@ -81,7 +91,7 @@ def test_what_is_sent_has_the_link_s_name(make: Callable[[], AnyRobot]) -> None:
 def test_a_sample_on_one_link_is_none_on_the_other() -> None:
     front, rear = all_drivers_of(on_can())
     for link_drivers in (front, rear):
-        link_drivers.begin(BRING_UP, 0)
+        recovers(link_drivers)
     before = [driver.feedback for driver in rear.drivers]
     front.link.receive(Packet(FRONT, 0x701, b"\x05"), 1)
     front.link.receive(Packet(FRONT, 0x081, bytes.fromhex("11 86 20 00 00 00 00 00")), 1)

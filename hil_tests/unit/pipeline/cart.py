@@ -22,8 +22,8 @@ from firmware_bridge.drivers.driver import (
     SetPoint,
     Speed,
     StartupError,
-    Task,
 )
+from firmware_bridge.drivers.life_cycle import DriverState, Task, Transition
 from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.intent import Answer, Arm, Request
@@ -224,9 +224,7 @@ class FakeDriver:
 
     reports = frozenset(Reports)
     failure: StartupError | None = None
-    configured = True
-    busy = False
-    stopping = False
+    state = DriverState.ACTIVE
     unpowered = False
     wake_at: Nanoseconds = NEVER
     between: Between | None = None
@@ -235,23 +233,21 @@ class FakeDriver:
         self.axis: Final = axis
         self.feedback = Feedback(axis.name, Power.ON, received_at=0, sampled_at=0)
         self.set_points: list[SetPoint] = []
-        self.begun: list[Task] = []
+        self.begun: list[Transition] = []
         self.zeros: list[float] = []
 
     @property
     def sampled_at(self) -> Nanoseconds:
         return self.feedback.sampled_at
 
-    def begin(self, tasks: tuple[Task, ...], _now: Nanoseconds) -> tuple[Packet, ...]:
-        self.begun += tasks
+    def begin(
+        self, transition: Transition, _now: Nanoseconds, _task: Task | None = None
+    ) -> tuple[Packet, ...]:
+        self.begun.append(transition)
         return ()
 
     def set_zero(self, position: float, _now: Nanoseconds) -> tuple[Packet, ...]:
         self.zeros.append(position)
-        return ()
-
-    def home(self, _now: Nanoseconds) -> tuple[Packet, ...]:
-        self.begun.append(Task.HOME)
         return ()
 
     def command(self, set_point: SetPoint) -> tuple[Packet, ...]:

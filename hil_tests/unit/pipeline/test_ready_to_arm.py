@@ -2,7 +2,7 @@
 
 import pytest
 
-from firmware_bridge.drivers.driver import BRING_UP
+from firmware_bridge.drivers.life_cycle import Transition
 from firmware_bridge.intent import Arm, Disarm
 from firmware_bridge.units import SECOND
 from hil_tests.unit.pipeline.cart import ARM, FakeCart
@@ -17,7 +17,7 @@ def test_a_device_that_fell_silent_is_set_up_again_whatever_it_stated_last() -> 
     verdict = cart.requests(Arm())
     assert not verdict.accepted
     assert "enabling node 1 (left) again" in verdict.reason
-    assert tuple(cart.drivers["left"].begun) == BRING_UP
+    assert cart.drivers["left"].begun == [Transition.RECOVER]
     assert cart.drivers["right"].begun == []
 
 

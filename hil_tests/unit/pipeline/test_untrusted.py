@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from firmware_bridge.drivers.driver import Power, Speed, Stop, Task
+from firmware_bridge.drivers.driver import Power, Speed, Stop
+from firmware_bridge.drivers.life_cycle import Transition
 from firmware_bridge.intent import Arm, EmergencyStop
 from hil_tests.unit.pipeline.cart import FakeCart
 
@@ -52,7 +53,7 @@ def test_arming_gives_it_back() -> None:
     driver.feedback, driver.unpowered = replace(driver.feedback, power=Power.OFF), True
     cart.runs(40)
     assert "enabling node 1 (left) again" in cart.requests(Arm()).reason
-    assert driver.begun[-1:] == [Task.ENABLE]
+    assert driver.begun[-1:] == [Transition.ACTIVATE]
     cart.runs()
     assert cart.newest("left") is not Stop.POWER_OFF
     driver.feedback = replace(driver.feedback, power=Power.ON)

@@ -8,7 +8,8 @@ import pytest
 
 from emulators.arduino_omni.board import FIRMWARES, Board
 from emulators.arduino_omni.motors import four_motors
-from firmware_bridge.drivers.driver import Reports, Speed, Stop, Task
+from firmware_bridge.drivers.driver import Reports, Speed, Stop
+from firmware_bridge.drivers.life_cycle import AT_REST, Task, Transition
 from firmware_bridge.drivers.link_drivers import PlanError
 from firmware_bridge.families.motor_shield.driver.dialects import DIALECTS, Dialect
 from firmware_bridge.families.motor_shield.driver.expressed import expressed
@@ -193,7 +194,7 @@ def test_a_stop_ends_with_the_boards_reset_and_reports_of_its_own_stop_where_it_
         stages = stop_stages(robot, robot.axes[0])
         names[protocol] = [stage.name for stage in stages]
         notes[protocol] = stages[-1].note
-        assert stages[-1].task is Task.RESET
+        assert stages[-1].transition is Transition.RESET
         assert stages[2].within == 3 * ShieldLink.of_link(robot, "board").answers_within_ms * MILLISECOND
         assert stages[0].set_point is Stop.STANDSTILL
         assert all(stage.set_point is Stop.POWER_OFF for stage in stages if stage.ends_power)
@@ -206,11 +207,11 @@ def test_what_answers_a_task_that_a_stop_has_ended_is_nobodys() -> None:
     """The bridge lives on; motors that it has not released count as driven, by any earlier driver."""
     link_drivers = shield_link_drivers(over("ros-arduino-bridge"), "board")
     board, one = link_drivers.link, link_drivers.drivers[0]
-    requested = one.begin((Task.IDENTIFY, Task.CONFIGURE), SECOND)
+    requested = one.begin(Transition.CONFIGURE, SECOND, Task.IDENTIFY)
     requested += board.wake(SECOND + 100 * MILLISECOND)
     assert [packet.payload for packet in requested] == [b"b\r"]
     one.command(Stop.POWER_OFF)
-    assert not one.busy
+    assert one.state in AT_REST
     released = board.receive(Packet("board", 0, b"57600\r\n"), SECOND + 110 * MILLISECOND)
     assert [packet.payload for packet in released] == [b"m 0 0 0\r"]
     assert not one.unpowered
@@ -237,7 +238,7 @@ def test_a_start_shows_whether_the_reset_of_a_board_works_that_does_not_stop_by_
     now, ended = 5 * SECOND, False
     for at in range(0, now, SECOND // 10):
         board.wake(at)
-    sent = deque(link.begin((Task.FIND, Task.IDENTIFY, Task.CONFIGURE), now))  # type: ignore[attr-defined]
+    sent = deque(link.begin(Transition.CONFIGURE, now))  # type: ignore[attr-defined]
     while now < 10 * SECOND and not ended:
         while sent:
             packet = sent.popleft()
@@ -254,13 +255,13 @@ def test_a_start_shows_whether_the_reset_of_a_board_works_that_does_not_stop_by_
     assert (remark in link.remark) if remark else not link.remark
 
 
-@pytest.mark.parametrize("task", [Task.DISABLE, Task.LEAVE])
+@pytest.mark.parametrize("transition", [Transition.POWER_OFF, Transition.DEACTIVATE])
 @pytest.mark.parametrize("protocol", ShieldProtocol)
 def test_a_silent_board_is_reported_every_word_that_lets_go_before_one_again(
-    protocol: ShieldProtocol, task: Task
+    protocol: ShieldProtocol, transition: Transition
 ) -> None:
     link = shield_link_drivers(over(protocol), "board").link
-    reported = [packet.payload for packet in link.begin((task,), SECOND)]  # type: ignore[attr-defined]
+    reported = [packet.payload for packet in link.begin(transition, SECOND)]  # type: ignore[attr-defined]
     for at in range(SECOND, 2 * SECOND, MILLISECOND):
         reported += [packet.payload for packet in (link.wake(at) if link.wake_at <= at else ())]
     words = len(set(reported))

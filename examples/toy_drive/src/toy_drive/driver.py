@@ -4,7 +4,8 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from firmware_bridge.drivers.driver import Power, Reports, SetPoint, Speed, Stop, Task
+from firmware_bridge.drivers.driver import Power, Reports, SetPoint, Speed, Stop
+from firmware_bridge.drivers.life_cycle import Task, Transition
 from firmware_bridge.drivers.line_device import LineDevice, Report
 from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.drivers.request_line import line_drivers
@@ -70,7 +71,9 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
     return (
         StopStage("speed 0", "V0", Stop.STANDSTILL, within, ramp, received=True),
         StopStage("quick stop", "S", Stop.QUICK_STOP, within, ramp, received=True),
-        StopStage("power off", "P0", Stop.POWER_OFF, within, task=Task.DISABLE, ends_power=True),
+        StopStage(
+            "power off", "P0", Stop.POWER_OFF, within, transition=Transition.POWER_OFF, ends_power=True
+        ),
     )
 
 

@@ -8,7 +8,8 @@ The position is sent on the line, too, so that guard and recordings know it.
 
 from typing import Final, NamedTuple
 
-from firmware_bridge.drivers.driver import STOPPING, Stop, Task
+from firmware_bridge.drivers.driver import Stop
+from firmware_bridge.drivers.life_cycle import FOUND, LifeCycle, Task, Transition
 from firmware_bridge.families.ar2 import wire
 from firmware_bridge.families.ar2.driver.joint import Ar2Joint
 from firmware_bridge.families.ar2.driver.slices import Slice, slice_of
@@ -30,7 +31,6 @@ SILENT: Final = (
 )
 MISSED: Final[Nanoseconds] = 2_900 * MILLISECOND
 """A board that has not answered by then is reported as missing."""
-FOUND: Final = (Task.FIND, Task.IDENTIFY, Task.CONFIGURE)
 REQUESTS: Final = frozenset({Task.FIND, Task.IDENTIFY, Task.LEAVE, Task.DISABLE})
 """Tasks that are a question, and over when it is answered."""
 
@@ -60,9 +60,8 @@ class Ar2Board:
         self.busy: Nanoseconds = 0
         """In which an answer was waited for."""
         self.joints: tuple[Ar2Joint, ...] = ()
-        self.under_way: tuple[Task, ...] = ()
+        self.life: Final = LifeCycle(frozenset({Transition.HOME}))
         self.configured = False
-        self.problem: str | None = None
         self._table: Final = table
         self._silent_after: Final = table.silent_ms * MILLISECOND
         self._gone = self._dirty = self._found_once = False
@@ -79,9 +78,7 @@ class Ar2Board:
         """Positions to be sent."""
         self._placed = False
         """True where one was sent since the last sample."""
-        self._begun: tuple[tuple[Task, ...], Nanoseconds] | None = None
-        self._restores = False
-        """True where no set-point ends the tasks under way: a stop, or no command, has begun them."""
+        self._begun: tuple[Transition, Task | None, Nanoseconds] | None = None
         self._speaks_at: Nanoseconds = 0
         """Time before which nothing is sent: it may be booting."""
         self._found_until: Nanoseconds = 0
@@ -104,7 +101,7 @@ class Ar2Board:
     def hint(self, now: Nanoseconds) -> str:
         """Return what to check where the board is looked for in vain."""
         since = self._found_until - self._table.boots_within_ms * MILLISECOND
-        missed = self.under_way[:1] == (Task.FIND,) and now - since >= MISSED
+        missed = self.life.tasks[:1] == (Task.FIND,) and now - since >= MISSED
         return f"{self.name}: {SILENT}" if missed else ""
 
     def master(self, _now: Nanoseconds) -> None:
@@ -120,27 +117,20 @@ class Ar2Board:
         has_more = bool(self._places) or (self._dirty and self._may_move) or self._requests
         return self._speaks_at if has_more else self._starts_until
 
-    @property
-    def stops(self) -> bool:
-        """True where the tasks under way stop the arm: no set-point that does so ends them."""
-        return self._restores or any(task in STOPPING for task in self.under_way)
-
     # For the joints
 
-    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Begin these tasks; each joint requests them, and they are done once."""
-        if self._begun == (tasks, now):
+    def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
+        """Begin a transition; each joint requests it, and it is done once."""
+        if self._begun == (transition, task, now):
             return ()
-        self._begun = (tasks, now)
+        self._begun = (transition, task, now)
         self.end_tasks()
-        self.problem = None
-        self.under_way = tasks
+        self.life.begin(transition, task)
         return self._open_task(now) + self._go_on(now)
 
     def end_tasks(self) -> None:
         """Do those under way no more."""
-        self._restores = False
-        self.under_way = ()
+        self.life.end()
         self._starts_until = NEVER
 
     def note_set_point(self) -> None:
@@ -166,9 +156,9 @@ class Ar2Board:
         elif self.configured:
             self._cycle_at = now
             return (self._ask(Question(self._next_text()), now),)
-        elif not self.under_way and self._found_once:
+        elif not self.life.tasks and self._found_once:
             # Lost, without a command: it is set up again when it answers, but not enabled.
-            self.under_way, self._restores = FOUND, True
+            self.life.restore(FOUND)
             return self._open_task(now) + self._go_on(now)
         return ()
 
@@ -182,7 +172,7 @@ class Ar2Board:
             self._gone = True
             self._question = None
             self._forget(now)
-            if self.under_way:
+            if self.life.tasks:
                 self._fail(LOST)
         elif packet.address == LINE_BACK and not packet.payload:
             self._gone = False
@@ -213,11 +203,11 @@ class Ar2Board:
     @property
     def _requests(self) -> bool:
         """True where the task under way is a request that has not been sent."""
-        return bool(self.under_way) and self.under_way[0] in REQUESTS
+        return bool(self.life.tasks) and self.life.tasks[0] in REQUESTS
 
     @property
     def _may_move(self) -> bool:
-        return self.configured and not self.under_way and self._move is None
+        return self.configured and not self.life.tasks and self._move is None
 
     def _go_on(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Send the next line, where the port is free: a task's request, a position, a move."""
@@ -239,7 +229,7 @@ class Ar2Board:
     def _ask(self, question: Question, now: Nanoseconds) -> Packet:
         self.commands += 1
         self._question, self._requested_at, self._received = question, now, b""
-        finding = self.under_way[:1] == (Task.FIND,)
+        finding = self.life.tasks[:1] == (Task.FIND,)
         # The sketch reads the next line only after the move: its answer may come that much later.
         moves = 0 if self._move is None else self._table.move
         self._until = now + (FOUND_EVERY if finding else self.answers_within + moves)
@@ -288,7 +278,7 @@ class Ar2Board:
             joint.sampled(self._cycle_at, now, placed=self._placed)
         self._placed = False
         self.longest_cycle = max(self.longest_cycle, now - self._cycle_at)
-        if self.under_way[:1] == (Task.START,):
+        if self.life.tasks[:1] == (Task.START,):
             self._close_task(now)
 
     def _unanswered(self, question: Question, now: Nanoseconds) -> tuple[Packet, ...]:
@@ -299,7 +289,7 @@ class Ar2Board:
             question.joint.commanded = None
         elif self._requests:
             self._tries += 1
-            finding = self.under_way[0] is Task.FIND
+            finding = self.life.tasks[0] is Task.FIND
             if now < self._found_until if finding else self._tries < TRIES:
                 return (self._ask(Question(self._next_text()), now),)
             self._fail(SILENT)
@@ -309,10 +299,10 @@ class Ar2Board:
 
     def _open_task(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Begin the first of the tasks that are left; return the packets before its own."""
-        while self.under_way:
-            task, self._tries = self.under_way[0], 0
+        while self.life.tasks:
+            task, self._tries = self.life.tasks[0], 0
             if task is Task.RESET:
-                self.under_way, self._restores = (*FOUND, *self.under_way[1:]), True
+                self.life.tasks = FOUND
                 self._question = None
                 self._forget(now)
                 self._find(now)
@@ -321,14 +311,14 @@ class Ar2Board:
             opens = self._opens.get(task)
             if opens is not None:
                 opens(now)
-            if task in REQUESTS or task is Task.START or not self.under_way:
+            if task in REQUESTS or task is Task.START or not self.life.tasks:
                 break
-            self.under_way = self.under_way[1:]
+            self.life.done()
         return ()
 
     def _close_task(self, now: Nanoseconds) -> None:
         """End the task under way, and begin the next one."""
-        self.under_way = self.under_way[1:]
+        self.life.done()
         self._starts_until = NEVER
         self._open_task(now)
 
@@ -342,7 +332,6 @@ class Ar2Board:
     def _configure(self, _now: Nanoseconds) -> None:
         """Know that it is there; a board that was just found may have begun again."""
         self.configured = self._found_once = True
-        self._restores = False
         for joint in self.joints:
             # After a reset the arm stands somewhere within the move that it broke off.
             joint.lost()
@@ -363,7 +352,7 @@ class Ar2Board:
             joint.enabled, joint.released, joint.set_point = False, False, Stop.POWER_OFF
 
     def _fail(self, problem: str) -> None:
-        self.problem = problem
+        self.life.fail(problem)
         self.end_tasks()
 
     def _forget(self, now: Nanoseconds) -> None:

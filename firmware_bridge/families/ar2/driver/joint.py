@@ -15,8 +15,8 @@ from firmware_bridge.drivers.driver import (
     SetPoint,
     StartupError,
     Stop,
-    Task,
 )
+from firmware_bridge.drivers.life_cycle import NOT_ENDED, DriverState, LifeCycle, Task, Transition
 from firmware_bridge.families.ar2.settings import Ar2Axis, Ar2Link
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
@@ -33,23 +33,15 @@ class JointBoard(Protocol):
     """The carrier of the joint's commands: its board."""
 
     @property
-    def under_way(self) -> tuple[Task, ...]:
-        """The tasks that are not done."""
-
-    @property
-    def stops(self) -> bool:
-        """True where the tasks under way stop the arm."""
+    def life(self) -> LifeCycle:
+        """The life cycle of all its joints."""
 
     @property
     def configured(self) -> bool:
         """True where the board was found, and not lost since."""
 
-    @property
-    def problem(self) -> str | None:
-        """The reason why the last tasks failed."""
-
-    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do tasks, for all joints."""
+    def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
+        """Begin a transition, for all joints."""
 
     def end_tasks(self) -> None:
         """Do those under way no more."""
@@ -126,25 +118,19 @@ class Ar2Joint:
         """None: its device sends no position between samples."""
 
     @property
-    def busy(self) -> bool:
-        """True while the board has tasks to do, or is receiving the joint's position."""
-        return bool(self._board.under_way) or self.commanded is not None
-
-    @property
-    def stopping(self) -> bool:
-        """True where the tasks under way stop the device, or were requested by no one."""
-        return self._board.stops
+    def state(self) -> DriverState:
+        """Its place in the life cycle: the board's, but inactive where it alone is not moved."""
+        life = self._board.life
+        if self.commanded is not None and not life.tasks:
+            return DriverState.HOMING
+        state = life.seen(configured=self._board.configured)
+        return DriverState.INACTIVE if state is DriverState.ACTIVE and not self.enabled else state
 
     @property
     def failure(self) -> StartupError | None:
-        """The failure of the board's last tasks."""
-        problem = self._board.problem
+        """The failure of the board's last transition."""
+        problem = self._board.life.problem
         return None if problem is None else StartupError(self._axis, problem)
-
-    @property
-    def configured(self) -> bool:
-        """True where the board was found, and not lost since."""
-        return self._board.configured
 
     @property
     def unpowered(self) -> bool:
@@ -159,23 +145,19 @@ class Ar2Joint:
         """Never: the board is woken."""
         return NEVER
 
-    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do these tasks, with all joints."""
-        return self._board.begin(tasks, now)
+    def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
+        """Begin a transition, with all joints; a homing is refused: its position is confirmed by sight."""
+        return self._board.begin(transition, now, task)
 
     def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
         """Count from a confirmed position, in rad; it is sent on the line, and counts once echoed."""
         return self._board.placed(self, self.steps_at(position), now)
 
-    def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing: its position needs confirmation by sight."""
-        del now
-        return ()
-
     def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
         """Note a set-point; while tasks are under way only one that stops, unless they do so themselves."""
-        if self._board.under_way:
-            if set_point not in {Stop.QUICK_STOP, Stop.POWER_OFF} or self._board.stops:
+        life = self._board.life
+        if life.tasks:
+            if set_point not in {Stop.QUICK_STOP, Stop.POWER_OFF} or life.state in NOT_ENDED:
                 return ()
             self._board.end_tasks()
         self.set_point = set_point

@@ -7,7 +7,8 @@ It ends by a switch in their supply, and the arm falls then.
 
 from typing import Final
 
-from firmware_bridge.drivers.driver import Stop, Task
+from firmware_bridge.drivers.driver import Stop
+from firmware_bridge.drivers.life_cycle import Transition
 from firmware_bridge.drivers.stop_stages import StopStage
 from firmware_bridge.families.ar2.settings import Ar2Link
 from firmware_bridge.robot import AnyRobot, Axis
@@ -36,7 +37,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
             "a request, which is answered when nothing moves",
             Stop.POWER_OFF,
             within + link.answers_within_ms * MILLISECOND,
-            task=Task.DISABLE,
+            transition=Transition.POWER_OFF,
             ends_power=True,
             note="the motors keep their current, and hold",
         ),
@@ -45,7 +46,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
             "DTR down and up: a move in progress ends",
             Stop.POWER_OFF,
             (link.boots_within_ms + link.answers_within_ms) * MILLISECOND,
-            task=Task.RESET,
+            transition=Transition.RESET,
             ends_power=True,
             note="the arm's position is unknown then; the motors keep their current, and hold",
         ),

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.drivers.driver import Between, Feedback, Reports, StartupError
+from firmware_bridge.drivers.life_cycle import DriverState, LifeCycle
 from firmware_bridge.drivers.script_runner import ObjectClient, Script, ScriptRunner
 from firmware_bridge.families.epos2.driver.feedback import REPORTS, DriveFeedback
 from firmware_bridge.families.epos2.driver.set_point import set_point
@@ -18,7 +19,7 @@ F = TypeVar("F", bound=DriveFeedback)
 class Epos2Drive(Generic[F]):
     """The reports of a `firmware_bridge.drivers.driver.Driver`; its commands are its link's own."""
 
-    __slots__ = ("_axis", "_feedback", "_scripts", "_set_point", "_tasks")
+    __slots__ = ("_axis", "_feedback", "_life", "_scripts", "_set_point", "_tasks")
 
     def __init__(
         self,
@@ -35,6 +36,7 @@ class Epos2Drive(Generic[F]):
         self._set_point: Final = set_point(axis, feedback)
         self._scripts: Final = ScriptRunner(client)
         self._tasks: Final = TaskRunner(axis, feedback, self._set_point, self._scripts, rows, started=started)
+        self._life: Final[LifeCycle] = self._tasks.life
 
     @property
     def axis(self) -> Axis:
@@ -64,27 +66,23 @@ class Epos2Drive(Generic[F]):
     @property
     def busy(self) -> bool:
         """True while tasks are under way."""
-        return self._tasks.busy
+        return bool(self._life.tasks)
 
     @property
-    def stopping(self) -> bool:
-        """True where the tasks under way stop the device, or were requested by no one."""
-        return self._tasks.stopping
+    def state(self) -> DriverState:
+        """Its place in the life cycle."""
+        return self._life.seen(configured=self._tasks.configured)
 
     @property
     def failure(self) -> StartupError | None:
-        """The failure of the last tasks; None without one."""
-        return self._tasks.failure
+        """The failure of the last transition; None without one."""
+        problem = self._life.problem
+        return None if problem is None else StartupError(self._axis, problem)
 
     @property
     def unpowered(self) -> bool:
         """True where its newest Statusword has a state without torque; not once power was requested."""
         return self._feedback.unpowered
-
-    @property
-    def configured(self) -> bool:
-        """True where its set-up is in force and it receives set-points."""
-        return self._tasks.configured
 
     @property
     def set_ups(self) -> int:

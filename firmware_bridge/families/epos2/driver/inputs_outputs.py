@@ -11,6 +11,7 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.sdo_client import Outcome, SdoError, SdoTimeoutError, Transfer
 from firmware_bridge.drivers.driver import Level, Reading
+from firmware_bridge.drivers.life_cycle import DriverState
 from firmware_bridge.families.epos2.driver.setup import general_purpose
 from firmware_bridge.families.epos2.settings import Epos2AnalogueInput, Epos2DigitalOutput
 from firmware_bridge.families.epos2.wire import address as at
@@ -47,12 +48,8 @@ class IoDrive(Protocol):
         """The axis that it moves."""
 
     @property
-    def busy(self) -> bool:
-        """True while tasks are under way."""
-
-    @property
-    def configured(self) -> bool:
-        """True where its set-up is in force."""
+    def state(self) -> DriverState:
+        """Its place in the life cycle."""
 
     @property
     def set_ups(self) -> int:
@@ -128,7 +125,7 @@ class DigitalOutputs:
             if level is not None:
                 self._wanted = self._wanted | bit if level.on else self._wanted & ~bit
         self._take()
-        if self._drive.busy or not self._drive.configured:
+        if self._drive.state not in (DriverState.INACTIVE, DriverState.ACTIVE):
             return ()
         if self._set_up != self._drive.set_ups:
             # The drive may have restarted before: its pins are as it makes them then.

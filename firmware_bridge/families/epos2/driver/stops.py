@@ -9,7 +9,8 @@ stopped included, SDO in all but stopped, PDO in operational only. Reset communi
 
 from typing import Final
 
-from firmware_bridge.drivers.driver import Stop, Task
+from firmware_bridge.drivers.driver import Stop
+from firmware_bridge.drivers.life_cycle import Transition
 from firmware_bridge.drivers.stop_stages import CREEPS, StopStage
 from firmware_bridge.families.epos2.driver.scale import Scale
 from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Driver, Epos2Link
@@ -50,7 +51,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
             max(CREEPS, times.quick_stop),
             quick,
             slows_within=times.quick_stop,
-            task=Task.LISTEN,
+            transition=Transition.LISTEN,
         ),
     )
     # On a serial line objects are written in either case: there is one way to a drive, and no other to try.
@@ -69,8 +70,8 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
             Stop.QUICK_STOP,
             times.by_object,
             quick,
-            task=Task.BRAKE,
-            ends_with_task=True,
+            transition=Transition.QUICK_STOP,
+            ends_with_transition=True,
         ),
     )
     at_last = (
@@ -80,7 +81,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
             Stop.POWER_OFF,
             # A serial line may have to wait first for what a silent drive keeps it with.
             times.by_object if over_can else 2 * times.by_object,
-            task=Task.DISABLE,
+            transition=Transition.POWER_OFF,
             ends_power=True,
         ),
         StopStage(
@@ -99,7 +100,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
             _RESET[link.driver],
             Stop.POWER_OFF,
             times.reset,
-            task=Task.RESET,
+            transition=Transition.RESET,
             ends_power=True,
             note="no torque from then on; the drive's reference is lost",
         ),

@@ -1,11 +1,11 @@
 """The tasks of one EPOS2: the one under way, and the failure of one. The link is not known here."""
 
-from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Final
 
-from firmware_bridge.drivers.driver import STOPPING, SetPoint, StartupError, Stop, Task
+from firmware_bridge.drivers.driver import SetPoint, StartupError, Stop
+from firmware_bridge.drivers.life_cycle import NOT_ENDED, DriverState, LifeCycle, Task, Transition
 from firmware_bridge.drivers.script_runner import Do, Script, ScriptRunner
 from firmware_bridge.families.epos2.driver import tasks as scripts
 from firmware_bridge.families.epos2.driver import zero
@@ -71,84 +71,77 @@ class TaskRunner:
             Task.SET_ZERO: self._set_zero,
             Task.HOME: self._home,
         }
-        self._tasks: deque[Task] = deque()
-        self._task: Task | None = None
+        without = [Transition.SET_ZERO] if axis.travel is None else []
+        without += [Transition.HOME] if axis.zero.homing is None else []
+        self.life: Final = LifeCycle(frozenset(without))
         self._until: Nanoseconds = NEVER
-        """Time when the one under way is given up."""
+        """Time when the task under way is given up."""
         self._position = 0.0
         """Confirmed position of the axis, in its unit."""
-        self._in_own_mode = True
-        """True where its mode of operation is the set-up's; not while homing, nor where that failed."""
         self.set_up = False
         """True where its set-up was written since it was found."""
         self.doubted = False
         """True after a silence, until its reports show whether it has restarted."""
         self.set_ups = 0
         """Number of times that it was written so far."""
-        self.failure: StartupError | None = None
-        """The failure of the last tasks; None without one."""
 
-    @property
-    def busy(self) -> bool:
-        """True while tasks are under way."""
-        return self._task is not None
-
-    @property
-    def stopping(self) -> bool:
-        """True where the one under way stops the drive itself."""
-        return self._task in STOPPING
-
-    def lets(self, set_point: SetPoint) -> bool:
-        """Return whether a set-point may be sent: during tasks one that stops, during homing also rest."""
-        # A stop always passes: no task may keep an axis from being stopped.
-        if not self.busy or set_point is Stop.QUICK_STOP or set_point is Stop.POWER_OFF:
-            return True
-        return set_point is Stop.STANDSTILL and self._task is Task.HOME
-
-    def meant(self, set_point: SetPoint) -> SetPoint:
-        """Return a set-point as it may reach the drive: in homing mode a new position would start that."""
-        # A new position in homing mode would start a homing: bit 4 means both.
-        return set_point if self._in_own_mode or isinstance(set_point, Stop) else Stop.STANDSTILL
+    def lets(self, set_point: SetPoint) -> SetPoint | None:
+        """Return a set-point as it may reach the drive, None where it may not; one that stops ends tasks."""
+        life = self.life
+        if life.tasks:
+            # A stop always passes: no task may keep an axis from being stopped.
+            stops = set_point is Stop.QUICK_STOP or set_point is Stop.POWER_OFF
+            if not stops and (set_point is not Stop.STANDSTILL or life.tasks[0] is not Task.HOME):
+                return None
+            if life.state not in NOT_ENDED:
+                self.end()
+        if set_point is Stop.POWER_OFF:
+            life.power_off()
+        # After a homing that ended early a new position would start another: bit 4 means both.
+        return (
+            set_point if life.state is DriverState.ACTIVE or isinstance(set_point, Stop) else Stop.STANDSTILL
+        )
 
     @property
     def configured(self) -> bool:
         """True where the set-up is in force and the drive receives set-points."""
         feedback = self._feedback
-        kept = self.set_up and self._in_own_mode and not (feedback.rewritten or self.doubted)
+        kept = self.set_up and not (feedback.rewritten or self.doubted)
         return kept and feedback.operational and not feedback.restarted
 
-    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do these tasks in order, in place of those under way."""
+    def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
+        """Begin a transition, or that one of its tasks, in place of what is under way."""
         self.end()
-        self.failure = None
-        self._tasks.extend(tasks)
-        return self.go_on((), now)
+        self.life.begin(transition, task)
+        return self._open((), now)
 
     def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
         """Have the drive count from this position, in the axis's unit, where it stands."""
         self._position = position
-        return self.begin((Task.SET_ZERO,), now)
+        return self.begin(Transition.SET_ZERO, now)
 
     def end(self) -> None:
         """Forget the tasks under way."""
+        self._stop()
+        self.life.end()
+
+    def _stop(self) -> None:
         self._scripts.stop()
         # Whether the counter was set already is not known any more.
         if self._feedback.zeroing or self._feedback.seeking:
             self._feedback.lose_reference()
-        self._tasks.clear()
-        self._task = None
 
     def fail(self, problem: str, now: Nanoseconds) -> None:
         """End the tasks under way, if any, with this problem."""
-        if self.busy:
+        if self.life.tasks:
             self._scripts.stop(StartupError(self._axis, problem))
             self.go_on((), now)
 
     def proceed(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Go on where what the drive has sent is what was waited for, or end where it lost its set-up."""
-        if not self.busy:
+        if not self.life.tasks:
             return ()
-        if self._feedback.restarted and self._task in _NEEDS_SET_UP:
+        if self._feedback.restarted and self.life.tasks[0] in _NEEDS_SET_UP:
             self._scripts.stop(StartupError(self._axis, "it restarted by itself and lost its set-up"))
             return self.go_on((), now)
         return self.go_on(self._scripts.go_on(now), now)
@@ -164,33 +157,45 @@ class TaskRunner:
     def rewritten(self, what: str, now: Nanoseconds) -> None:
         """Note a foreign write to the drive: its set-up may no longer be in force."""
         self._feedback.rewritten = what
-        if self._task in _NEEDS_SET_UP:
+        if any(task in _NEEDS_SET_UP for task in self.life.tasks[:1]):
             self.fail(f"someone else has written to it: {what}", now)
 
     def go_on(self, sent: tuple[Packet, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Add what the next tasks send, where one has ended."""
-        if not self.busy and not self._tasks:
+        life = self.life
+        if not life.tasks:
             return sent
-        # A drive that answers each request just in time could keep a task busy for ever.
-        if self._task is not None and now >= self._until and self._scripts.busy:
-            problem = f"'{self._task.value}' has not ended within {to_seconds(WITHIN[self._task]):g} s"
+        if self._scripts.busy:
+            # A drive that answers each request just in time could keep a task busy for ever.
+            if now < self._until:
+                return sent
+            task = life.tasks[0]
+            problem = f"'{task.value}' has not ended within {to_seconds(WITHIN[task]):g} s"
             self._scripts.stop(StartupError(self._axis, problem))
-        while not self._scripts.busy:
-            if self._scripts.failure is not None:
-                failure = self._scripts.failure
-                self.end()
-                self.failure = failure
+        return self._open(sent, now) if self._ended() else sent
+
+    def _open(self, sent: tuple[Packet, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Add what the tasks that are left send, until one waits."""
+        while self.life.tasks:
+            task = self.life.tasks[0]
+            self._until = now + WITHIN.get(task, NEVER - now)
+            sent += self._scripts.run(self._script(task), now)
+            if self._scripts.busy or not self._ended():
                 break
-            if self._task is Task.CONFIGURE:
-                self.set_up = self._in_own_mode = True
-                self.doubted = False
-                self.set_ups += 1
-            self._task = self._tasks.popleft() if self._tasks else None
-            if self._task is None:
-                break
-            self._until = now + WITHIN.get(self._task, NEVER - now)
-            sent += self._scripts.run(self._script(self._task), now)
         return sent
+
+    def _ended(self) -> bool:
+        """Note that the first task has ended; return whether the next one may begin."""
+        failure = self._scripts.failure
+        if failure is not None:
+            self._stop()
+            self.life.fail(failure.problem)
+            return False
+        if self.life.tasks[0] is Task.CONFIGURE:
+            self.set_up, self.doubted = True, False
+            self.set_ups += 1
+        self.life.done()
+        return True
 
     def _script(self, task: Task) -> Script:
         if task in _LOSES_SET_UP:
@@ -200,17 +205,16 @@ class TaskRunner:
         return self._made[task]()
 
     def _set_zero(self) -> Script:
-        self._feedback.zeroing, self._in_own_mode = True, False
+        self._feedback.zeroing = True
         return (*zero.set_zero(self._axis, self._feedback, self._position), Do(self._is_referenced))
 
     def _home(self) -> Script:
-        self._feedback.zeroing, self._in_own_mode = True, False
+        self._feedback.zeroing = True
         # From the first command on: a homing that is interrupted leaves an unknown count.
         self._feedback.reference_lost = True
         return (*zero.home(self._axis, self._feedback), Do(self._is_referenced))
 
     def _is_referenced(self) -> Script:
-        self._in_own_mode = True
         # A target in the counts of the old reference is no target any more.
         self._set_point.word(QUICK_STOP)
         return ()

@@ -8,7 +8,8 @@ motors until it answers, and then set up again, which begins with that; to drive
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Final
 
-from firmware_bridge.drivers.driver import STOPPING, Stop, Task
+from firmware_bridge.drivers.driver import Stop
+from firmware_bridge.drivers.life_cycle import FOUND, NOT_ENDED, LifeCycle, Task, Transition
 from firmware_bridge.families.motor_shield.driver.booting import FOUND_EVERY, TRIES, Booting
 from firmware_bridge.families.motor_shield.driver.dialects import BoardMessage, Dialect, Numbers
 from firmware_bridge.families.motor_shield.driver.expressed import expressed
@@ -27,7 +28,8 @@ LOST: Final = "the serial line to the board is gone"
 BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
 """Period of a heartbeat, which no firmware watches for; each speed command keeps a board from stopping."""
 RESTORING: Final = (Task.IDENTIFY, Task.CONFIGURE)
-FOUND: Final = (Task.FIND, *RESTORING)
+REFUSED: Final = frozenset({Transition.HOME, Transition.SET_ZERO})
+"""A motor at a shield has no travel, and no one knows where it stands."""
 _LETTING_GO: Final = (Task.LEAVE, Task.DISABLE)
 
 
@@ -48,9 +50,8 @@ class Board:
         self.busy: Nanoseconds = 0
         self.motors: tuple[ShieldMotor, ...] = ()
         self.clock: Nanoseconds = 0
-        self.under_way: tuple[Task, ...] = ()
+        self.life: Final = LifeCycle(REFUSED)
         self.configured = False
-        self.problem: str | None = None
         self._dialect: Final = dialect
         self._reader = dialect.reader()
         self._silent_after: Final = table.silent_ms * MILLISECOND
@@ -64,13 +65,11 @@ class Board:
         self._tries = 0
         self._questions = 0
         self._waiting: Final = Waiting()
-        self._begun: tuple[tuple[Task, ...], Nanoseconds] | None = None
+        self._begun: tuple[Transition, Task | None, Nanoseconds] | None = None
         self._misses = 0
         """Commands of the task under way that were not answered."""
         self._starts_until: Nanoseconds = NEVER
         self._cycle_at: Nanoseconds = NEVER_RECEIVED
-        self._restores = False
-        """True where no set-point ends the tasks under way: a stop, or no command, has begun them."""
         self._scripts: Final[Mapping[Task, Callable[[], Iterator[BoardMessage] | None]]] = {
             Task.FIND: self._find,
             Task.IDENTIFY: self._identify,
@@ -90,7 +89,7 @@ class Board:
 
     def hint(self, now: Nanoseconds) -> str:
         """Return what to check where the board is looked for in vain."""
-        return self._booting.hint(now) if self.under_way[:1] == (Task.FIND,) else ""
+        return self._booting.hint(now) if self.life.tasks[:1] == (Task.FIND,) else ""
 
     def master(self, _now: Nanoseconds) -> None:
         """Report nothing: a line has one host."""
@@ -99,38 +98,31 @@ class Board:
     def wake_at(self) -> Nanoseconds:
         """At once where a command is to be sent and the line is free; else when an answer is overdue."""
         if self._question is None and not self._gone:
-            wanted = self._dirty and not self.under_way
+            wanted = self._dirty and not self.life.tasks
             if wanted or self._waiting.urgent:
                 return self._booting.speaks_at
             scripted = max(self._booting.quiet_until, self._booting.speaks_at)
             return scripted if self._waiting.scripted else self._starts_until
         return self._until
 
-    @property
-    def stops(self) -> bool:
-        """True where the tasks under way disable the motors' power: no set-point that does so ends them."""
-        return self._restores or any(task in STOPPING for task in self.under_way)
-
     # For the motors
 
-    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Begin these tasks; each motor of the board requests them, and they are done once."""
+    def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
+        """Begin a transition; each motor of the board requests it, and it is done once."""
         self.clock = now
-        if self._begun == (tasks, now):
+        if self._begun == (transition, task, now):
             return ()
-        self._begun = (tasks, now)
+        self._begun = (transition, task, now)
         self.end_tasks()
-        self.problem = None
-        self.under_way = tasks
-        if tasks:
+        self.life.begin(transition, task)
+        if self.life.tasks:
             self._drop()
         return self._open_task() + self._go_on(now)
 
     def end_tasks(self) -> None:
         """Do those under way no more; what comes in their place waits for no quiet line."""
         self._booting.quiet_until = 0
-        self._restores = False
-        self.under_way = ()
+        self.life.end()
         self._waiting.end()
         self._starts_until = NEVER
 
@@ -152,10 +144,10 @@ class Board:
         if self.configured:
             self._cycle_at = now
             waiting.samples.extend(self._dialect.encoders())
-        if not waiting.samples and not self.under_way and self._set_up_once:
+        if not waiting.samples and not self.life.tasks and self._set_up_once:
             if now >= self._booting.seeks_at:
                 self._booting.lost(now)
-                self.under_way = (Task.RESET,)
+                self.life.restore((Task.RESET,))
                 return self._open_task()
             waiting.samples.append(self._dialect.find())
         return self._go_on(now)
@@ -202,7 +194,7 @@ class Board:
     def _go_on(self, now: Nanoseconds) -> tuple[Packet, ...]:
         sent: list[Packet] = []
         while self._question is None and not self._gone and now >= self._booting.speaks_at:
-            if self._dirty and not self._waiting.motion and not self.under_way:
+            if self._dirty and not self._waiting.motion and not self.life.tasks:
                 self._express(now)
             message = self._taken()
             if message is None:
@@ -222,7 +214,7 @@ class Board:
         """Go on to the next command of the task under way, or to the next task."""
         if not self._waiting.advance():
             self._close_task()
-        elif self._waiting.last and self.under_way[0] in _LETTING_GO:
+        elif self._waiting.last and self.life.tasks[0] in _LETTING_GO:
             self._releasing.begin(self.motors, self._questions)
 
     def _encoded(self, message: BoardMessage, now: Nanoseconds) -> tuple[Packet, ...]:
@@ -230,10 +222,10 @@ class Board:
         before: Iterable[BoardMessage] = ()
         if message.reads is not None:
             self._question, self._requested_at = message, now
-            finding = self.under_way[:1] == (Task.FIND,)
+            finding = self.life.tasks[:1] == (Task.FIND,)
             self._until = now + (FOUND_EVERY if finding else self._patience)
             self._questions += 1
-            if finding and self._restores and not self._dialect.on_board:
+            if finding and self.life.state in NOT_ENDED and not self._dialect.on_board:
                 # Its shield drives on until commanded, and its answers may not come through.
                 before = self._dialect.release_again(motor.number for motor in self.motors)
         return tuple([Packet(self.name, 0, command.data) for command in (*before, message)])
@@ -263,7 +255,7 @@ class Board:
             self._restore()
         elif self._waiting.part is Part.SAMPLE:
             self._sampled(now)
-        elif not self.under_way and not self._waiting.motion:
+        elif not self.life.tasks and not self._waiting.motion:
             self.longest_cycle = max(self.longest_cycle, now - self._cycle_at)
 
     def _count(self, question: BoardMessage, numbers: Numbers) -> None:
@@ -279,19 +271,19 @@ class Board:
             return
         for motor in self.motors:
             motor.sampled(self._cycle_at, now)
-        if Task.START in self.under_way[:1]:
+        if Task.START in self.life.tasks[:1]:
             self._close_task()
 
     def _restore(self) -> None:
         """Set the board up that answers again; its motors are released by it, and stay so."""
-        if self._waiting.part is Part.SAMPLE and not self.under_way:
-            self.under_way, self._restores = RESTORING, True
+        if self._waiting.part is Part.SAMPLE and not self.life.tasks:
+            self.life.restore(RESTORING)
             self._open_task()
 
     def _again(self, question: BoardMessage, now: Nanoseconds) -> tuple[Packet, ...]:
         """Ask once more what has no answer, or give it up."""
         self._tries += 1
-        finding = self.under_way[:1] == (Task.FIND,)
+        finding = self.life.tasks[:1] == (Task.FIND,)
         if self._waiting.part is not Part.TASK:
             # The next cycle repeats the request; a motor's command is up to date then.
             self._waiting.samples.clear()
@@ -299,7 +291,7 @@ class Board:
         if finding and now < self._booting.found_until and self._tries >= TRIES:
             self._waiting.again(question)
             return self._booting.pulse(now)
-        if self.under_way[0] in _LETTING_GO and self._misses < TRIES + len(self.motors):
+        if self.life.tasks[0] in _LETTING_GO and self._misses < TRIES + len(self.motors):
             # One motor after the other, so that each is commanded once before the first is again.
             self._misses += 1
             self._waiting.later(question)
@@ -311,11 +303,11 @@ class Board:
 
     def _open_task(self) -> tuple[Packet, ...]:
         """Begin the first of the tasks that are left; return the packets before its own."""
-        if not self.under_way:
+        if not self.life.tasks:
             return ()
-        task, self._misses = self.under_way[0], 0
+        task, self._misses = self.life.tasks[0], 0
         if reset := task is Task.RESET:
-            task, self.under_way, self._restores = Task.FIND, (*FOUND, *self.under_way[1:]), True
+            task, self.life.tasks = Task.FIND, FOUND
         # A board that does not stop by itself has nothing but its reset when it hangs: it is tried at once.
         untried = task is Task.FIND and not self._set_up_once and not self._dialect.on_board
         pulse = self._booting.pulse(self.clock) if reset or untried else ()
@@ -360,11 +352,11 @@ class Board:
 
     def _close_task(self) -> None:
         """End the task under way, and begin the next one."""
-        done, self.under_way = self.under_way[0], self.under_way[1:]
+        done = self.life.tasks[0]
+        self.life.done()
         self._starts_until = NEVER
         if done is Task.CONFIGURE:
             self.configured = self._set_up_once = True
-            self._restores = False
             self.remark = self._booting.released(self.clock)
             for motor in self.motors:
                 motor.begin_again()
@@ -372,7 +364,7 @@ class Board:
         self._open_task()
 
     def _fail(self, problem: str) -> None:
-        self.problem = problem
+        self.life.fail(problem)
         self.end_tasks()
 
     def _forget(self) -> None:
@@ -394,5 +386,5 @@ class Board:
         self._gone = True
         self._drop()
         self._forget()
-        if self.under_way:
+        if self.life.tasks:
             self._fail(LOST)

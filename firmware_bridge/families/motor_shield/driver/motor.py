@@ -14,8 +14,8 @@ from firmware_bridge.drivers.driver import (
     Speed,
     StartupError,
     Stop,
-    Task,
 )
+from firmware_bridge.drivers.life_cycle import NOT_ENDED, DriverState, LifeCycle, Task, Transition
 from firmware_bridge.families.motor_shield.driver.regulator import Pwm, Ticks
 from firmware_bridge.families.motor_shield.settings import ShieldAxis, ShieldLink
 from firmware_bridge.intent import NEVER_RECEIVED
@@ -39,23 +39,15 @@ class MotorBoard(Protocol):
     clock: Nanoseconds
 
     @property
-    def under_way(self) -> tuple[Task, ...]:
-        """The tasks that are not done."""
-
-    @property
-    def stops(self) -> bool:
-        """True where the tasks under way disable the motors' power."""
+    def life(self) -> LifeCycle:
+        """The life cycle of all its motors."""
 
     @property
     def configured(self) -> bool:
         """True where the set-up is in force."""
 
-    @property
-    def problem(self) -> str | None:
-        """The reason why the last tasks failed."""
-
-    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do tasks, for all motors of the board."""
+    def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
+        """Begin a transition, for all motors of the board."""
 
     def end_tasks(self) -> None:
         """Do those under way no more."""
@@ -130,25 +122,16 @@ class ShieldMotor:
         """None: its device sends no position between samples."""
 
     @property
-    def busy(self) -> bool:
-        """True while the board has tasks to do."""
-        return bool(self._board.under_way)
-
-    @property
-    def stopping(self) -> bool:
-        """True where the tasks under way stop the device, or were requested by no one."""
-        return self._board.stops
+    def state(self) -> DriverState:
+        """Its place in the life cycle: the board's, but inactive where it alone was released."""
+        state = self._board.life.seen(configured=self._board.configured)
+        return DriverState.INACTIVE if state is DriverState.ACTIVE and not self.enabled else state
 
     @property
     def failure(self) -> StartupError | None:
-        """The failure of the board's last tasks."""
-        problem = self._board.problem
+        """The failure of the board's last transition."""
+        problem = self._board.life.problem
         return None if problem is None else StartupError(self._axis, problem)
-
-    @property
-    def configured(self) -> bool:
-        """True where the board's set-up is in force."""
-        return self._board.configured
 
     @property
     def unpowered(self) -> bool:
@@ -165,25 +148,20 @@ class ShieldMotor:
         """Never: the board is woken."""
         return NEVER
 
-    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do these tasks, with all motors of the board."""
-        return self._board.begin(tasks, now)
+    def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
+        """Begin a transition, with all motors of the board."""
+        return self._board.begin(transition, now, task)
 
     def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing: a motor at a shield has no travel, and no one may say where it stands."""
-        del position, now
-        return ()
-
-    def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing, as above."""
-        del now
-        return ()
+        """Refuse: a motor at a shield has no travel, and no one may say where it stands."""
+        del position
+        return self.begin(Transition.SET_ZERO, now)
 
     def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
         """Note a set-point; while tasks are under way only one that stops, unless they do so themselves."""
-        tasks = self._board.under_way
-        if tasks:
-            if set_point not in {Stop.QUICK_STOP, Stop.POWER_OFF} or self._board.stops:
+        life = self._board.life
+        if life.tasks:
+            if set_point not in {Stop.QUICK_STOP, Stop.POWER_OFF} or life.state in NOT_ENDED:
                 return ()
             self._board.end_tasks()
         self.set_point = set_point

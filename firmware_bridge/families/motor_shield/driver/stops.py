@@ -10,7 +10,8 @@ release once, and is then reset at once, and nothing is sent until it must have 
 
 from typing import Final
 
-from firmware_bridge.drivers.driver import Stop, Task
+from firmware_bridge.drivers.driver import Stop
+from firmware_bridge.drivers.life_cycle import Transition
 from firmware_bridge.drivers.stop_stages import CREEPS, StopStage
 from firmware_bridge.families.motor_shield.driver.dialects import DIALECTS
 from firmware_bridge.families.motor_shield.driver.plan import takes
@@ -64,7 +65,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
             "speed 0 for all motors, and a request" if board else "release, and a request",
             Stop.POWER_OFF,
             longest,
-            task=Task.DISABLE,
+            transition=Transition.POWER_OFF,
             whole_board=board,
             ends_power=True,
         ),
@@ -73,7 +74,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
             "DTR down and up; the board is set up again, beginning with the release",
             Stop.POWER_OFF,
             link.boots_within_ms * MILLISECOND + SET_UP_WITHIN,
-            task=Task.RESET,
+            transition=Transition.RESET,
             ends_power=True,
             note=runs_on,
         ),

@@ -5,7 +5,8 @@ from typing import Final
 
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen.sdo_client import NodeClient
-from firmware_bridge.drivers.driver import SetPoint, Speed, Task
+from firmware_bridge.drivers.driver import SetPoint, Speed
+from firmware_bridge.drivers.life_cycle import Task, Transition
 from firmware_bridge.families.epos2.driver.can.feedback import CanFeedback
 from firmware_bridge.families.epos2.driver.drive import Epos2Drive
 from firmware_bridge.families.epos2.driver.inputs_outputs import ObjectRequest
@@ -34,33 +35,27 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
         self._requests: deque[ObjectRequest] = deque()
         """Beside the tasks; the first one is under way."""
 
-    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do these tasks in order, in place of those under way."""
+    def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
+        """Begin a transition, or that one of its tasks, in place of what is under way."""
         self._drop_requests()
-        return self._waiting(self._tasks.begin(tasks, now))
+        return self._waiting(self._tasks.begin(transition, now, task))
 
     def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
         """Have it count from this position, in the axis's unit, where it stands."""
         self._drop_requests()
         return self._waiting(self._tasks.set_zero(position, now))
 
-    def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Have it home by the robot file."""
-        self._drop_requests()
-        return self._waiting(self._tasks.begin((Task.HOME,), now))
-
     def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
         """Send a set-point; while tasks are under way only what stops.
 
         Those end the tasks, unless they stop the drive themselves.
         """
-        if not self._tasks.lets(set_point):
+        busy, meant = bool(self._life.tasks), self._tasks.lets(set_point)
+        if meant is None:
             return ()
-        if self.busy:
-            if not self._tasks.stopping:
-                self._tasks.end()
+        if busy:
             self.wake_at = self._scripts.wake_at
-        return (*self._brakes(set_point), self._set_point.frame_for(self._tasks.meant(set_point)))
+        return (*self._brakes(set_point), self._set_point.frame_for(meant))
 
     def _brakes(self, set_point: SetPoint) -> tuple[Packet, ...]:
         """Return the frame of the quick stop deceleration that goes with a speed, where it may be lowered."""
@@ -76,7 +71,7 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
 
     def release(self) -> tuple[Packet, ...]:
         """End the handshake of a new position, where one is open."""
-        packet = None if self.busy else self._set_point.release()
+        packet = None if self._life.tasks else self._set_point.release()
         return () if packet is None else (packet,)
 
     def synchronized(self, now: Nanoseconds) -> None:
@@ -90,7 +85,7 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
 
     def request(self, request: ObjectRequest, now: Nanoseconds) -> tuple[Packet, ...]:
         """Read or write an object behind those that wait; dropped while tasks are under way."""
-        if self.busy:
+        if self._life.tasks:
             request.over = True
             return ()
         self._requests.append(request)
@@ -102,7 +97,7 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
             sent = self._client.receive(packet.payload, now) + self._scripts.go_on(now)
             return self._went_on(sent, now)
         self._feedback.receive(packet.address, packet.payload, now)
-        return self._waiting(self._tasks.proceed(now)) if self.busy else ()
+        return self._waiting(self._tasks.proceed(now)) if self._life.tasks else ()
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Act on the time."""
@@ -110,7 +105,7 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
 
     def _went_on(self, sent: tuple[Packet, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         # Taken only without tasks: during them the outcome is the script's.
-        outcome = None if self.busy else self._scripts.take()
+        outcome = None if self._life.tasks else self._scripts.take()
         if outcome is not None and self._requests:
             self._requests.popleft().end(outcome, now)
             sent += self._next_request(now)

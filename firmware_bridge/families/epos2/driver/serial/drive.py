@@ -11,7 +11,8 @@ from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import DataType
-from firmware_bridge.drivers.driver import SetPoint, Task
+from firmware_bridge.drivers.driver import SetPoint
+from firmware_bridge.drivers.life_cycle import Task, Transition
 from firmware_bridge.families.epos2.driver.drive import Epos2Drive
 from firmware_bridge.families.epos2.driver.feedback import FAULT_STATES
 from firmware_bridge.families.epos2.driver.inputs_outputs import ObjectRequest, outputs_at
@@ -108,32 +109,27 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         """Time of its next wake-up."""
         return self._scripts.wake_at
 
-    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do these tasks in order, in place of those under way."""
+    def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
+        """Begin a transition, or that one of its tasks, in place of what is under way."""
         # It may have restarted since, and its target with it.
         self._taken.clear()
-        return self._sent(self._tasks.begin(tasks, now))
+        return self._sent(self._tasks.begin(transition, now, task))
 
     def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
         """Have it count from this position, in the axis's unit, where it stands."""
         self._taken.clear()
         return self._sent(self._tasks.set_zero(position, now))
 
-    def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Have it home by the robot file."""
-        return self.begin((Task.HOME,), now)
-
     def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
         """Send a set-point; while tasks are under way only what stops.
 
         Those end the tasks, unless they stop the drive themselves.
         """
-        if not self._tasks.lets(set_point):
+        meant = self._tasks.lets(set_point)
+        if meant is None:
             return ()
-        if self.busy and not self._tasks.stopping:
-            self._tasks.end()
         self._forget_unsent()
-        return self._sent((self._set_point.frame_for(self._tasks.meant(set_point)),))
+        return self._sent((self._set_point.frame_for(meant),))
 
     def release(self) -> tuple[Packet, ...]:
         """End the handshake of a new position, where one is open."""
