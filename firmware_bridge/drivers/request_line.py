@@ -7,28 +7,18 @@ before it, the request for a sample after it. A family gives a
 
 from typing import Final
 
-from firmware_bridge.drivers.driver import (
-    Feedback,
-    Power,
-    Reports,
-    SetPoint,
-    StartupError,
-    Stop,
-)
-from firmware_bridge.drivers.life_cycle import FOUND, NOT_ENDED, DriverState, LifeCycle, Task, Transition
+from firmware_bridge.drivers.driver import Feedback, Power, Reports, Stop
+from firmware_bridge.drivers.life_cycle import FOUND, DriverState, Task, Transition
 from firmware_bridge.drivers.line_device import LineDevice, Report
+from firmware_bridge.drivers.line_driver import LOST, LineDriver, LineLink
 from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Axis
 from firmware_bridge.robot.table import LineTable
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire.lines import LineReader
 
-LOST: Final = "the serial line is gone"
-BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
-"""Nothing is sent at it: the requests of each cycle show that the bridge is alive."""
 TRIES: Final = 3
 """Requests of a task without an answer, after which it has failed; a device is looked for longer."""
 MISSED: Final[Nanoseconds] = 2_900 * MILLISECOND
@@ -38,27 +28,12 @@ REFUSED: Final = frozenset({Transition.HOME, Transition.SET_ZERO, Transition.RES
 UNFOUND: Final = "it has to be found first"
 
 
-class LineAxis:
-    """A `firmware_bridge.drivers.driver.Driver`: the axis of the device."""
+class LineAxis(LineDriver):
+    """The axis of the device."""
 
-    def __init__(self, device: LineDevice, line: "RequestLine") -> None:
-        self._device: Final = device
-        self._line: Final = line
-        self._enabled = False
-        """True from the request for power until power is taken off."""
+    def __init__(self, device: LineDevice, line: LineLink) -> None:
+        super().__init__(device.axis, line, device.reports)
         self._newest: Report | None = None
-        self._received_at: Nanoseconds = NEVER_RECEIVED
-        self._sampled_at: Nanoseconds = NEVER_RECEIVED
-
-    @property
-    def axis(self) -> Axis:
-        """The axis that it moves."""
-        return self._device.axis
-
-    @property
-    def reports(self) -> frozenset[Reports]:
-        """Reports of its device."""
-        return self._device.reports
 
     @property
     def feedback(self) -> Feedback:
@@ -81,74 +56,16 @@ class LineAxis:
         )
 
     @property
-    def sampled_at(self) -> Nanoseconds:
-        """Time of its newest sample."""
-        return self._sampled_at
-
-    @property
-    def between(self) -> None:
-        """None: its device sends no position between samples."""
-
-    @property
-    def state(self) -> DriverState:
-        """Its place in the life cycle."""
-        return self._line.life.seen(configured=self._line.configured)
-
-    @property
-    def failure(self) -> StartupError | None:
-        """The failure of the last transition."""
-        problem = self._line.life.problem
-        return None if problem is None else StartupError(self.axis, problem)
-
-    @property
     def unpowered(self) -> bool:
         """True where its newest report is power off, and no power was requested since."""
-        return not self._enabled and self._newest is not None and self._newest.power is Power.OFF
-
-    @property
-    def wake_at(self) -> Nanoseconds:
-        """Never: the line is woken."""
-        return NEVER
-
-    def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
-        """Begin a transition, or only that one of its tasks, in place of what is under way."""
-        return self._line.begin(transition, now, task)
-
-    def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Refuse it: an axis with travel needs a driver of its own."""
-        del position
-        return self._line.begin(Transition.SET_ZERO, now)
-
-    def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
-        """Note a set-point; while tasks are under way only one that stops, unless they do so themselves."""
-        life = self._line.life
-        if life.tasks:
-            if set_point not in {Stop.QUICK_STOP, Stop.POWER_OFF} or life.state in NOT_ENDED:
-                return ()
-            self._line.end_tasks()
-        if set_point is Stop.POWER_OFF:
-            self._enabled = False
-            life.power_off()
-        elif not isinstance(set_point, Stop) and self.state is not DriverState.ACTIVE:
-            set_point = Stop.STANDSTILL
-        self._line.note(self._device.request(set_point))
-        return ()
-
-    def release(self) -> tuple[Packet, ...]:
-        """Do nothing: a request has no handshake beside its answer."""
-        return ()
-
-    def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing: the line is woken."""
-        del now
-        return ()
+        return not self.enabled and self._newest is not None and self._newest.power is Power.OFF
 
     def opened(self, task: Task) -> None:
         """Note the begin of a task."""
         if task is Task.ENABLE:
-            self._enabled = True
+            self.enabled = True
         elif task in {Task.CONFIGURE, Task.LEAVE, Task.DISABLE}:
-            self._enabled = False
+            self.enabled = False
 
     def reported(self, report: Report, sampled_at: Nanoseconds, now: Nanoseconds) -> None:
         """Take a report; `sampled_at` is the begin of the cycle that requested it."""
@@ -156,30 +73,16 @@ class LineAxis:
         self._sampled_at = max(self._sampled_at, sampled_at)
 
 
-class RequestLine:
+class RequestLine(LineLink):
     """A `firmware_bridge.drivers.link_drivers.DeviceLink`."""
 
     def __init__(self, name: str, table: LineTable, device: LineDevice) -> None:
-        self.name = name
-        self.answers_within: Nanoseconds = table.answers_within_ms * MILLISECOND
-        self.beat_every = BEATS
-        self.listens_for: Nanoseconds = 0
-        self.remark = ""
-        self.late = 0
-        self.longest_cycle: Nanoseconds = 0
-        """From the begin of a cycle to its sample."""
-        self.commands = 0
-        """Requests so far."""
-        self.busy: Nanoseconds = 0
-        """Time in which an answer was awaited."""
-        self.life: Final = LifeCycle(REFUSED)
-        self.configured = False
-        """True where the device was found, and not lost since."""
+        super().__init__(name, table.answers_within_ms * MILLISECOND, REFUSED)
         self.driver: Final = LineAxis(device, self)
         self._device: Final = device
         self._table: Final = table
         self._reader: Final = LineReader(device.end)
-        self._gone = self._found_once = False
+        self._found_once = False
         self._todo: tuple[bytes, ...] = ()
         """Requests of the task under way that are not answered."""
         self._set_point: bytes | None = None
@@ -196,19 +99,11 @@ class RequestLine:
         self._received_at: Nanoseconds = NEVER_RECEIVED
         self._found_until: Nanoseconds = 0
 
-    @property
-    def lost(self) -> str | None:
-        """The reason why the device cannot be reached."""
-        return LOST if self._gone else None
-
     def hint(self, now: Nanoseconds) -> str:
         """Return what to check where the device is looked for in vain."""
         since = self._found_until - self._table.found_within_ms * MILLISECOND
         missed = self.life.tasks[:1] == (Task.FIND,) and now - since >= MISSED
         return f"{self.name}: {self._table.silent_hint}" if missed else ""
-
-    def master(self, _now: Nanoseconds) -> None:
-        """Report nothing: a line has one host."""
 
     @property
     def wake_at(self) -> Nanoseconds:
@@ -216,7 +111,7 @@ class RequestLine:
         if self._open is not None:
             return self._sent_at + self.answers_within
         waits = self._todo or self._set_point is not None or self._sample_due
-        return 0 if waits and not self._gone else NEVER
+        return 0 if waits and not self.gone else NEVER
 
     # For the axis
 
@@ -233,9 +128,12 @@ class RequestLine:
         self.life.end()
         self._drop()
 
-    def note(self, request: bytes) -> None:
-        """Send a set-point as soon as the line is free, in place of one that waits."""
-        self._set_point = request
+    def note_set_point(self) -> None:
+        """Send the set-point as soon as the line is free, in place of one that waits."""
+        set_point = self.driver.set_point
+        if not isinstance(set_point, Stop) and self.driver.state is not DriverState.ACTIVE:
+            set_point = Stop.STANDSTILL
+        self._set_point = self._device.request(set_point)
 
     # For the link's drivers
 
@@ -247,26 +145,22 @@ class RequestLine:
             self.late += 1
         elif self.configured:
             self._sample_due = True
-        elif not self.life.tasks and self._found_once and not self._gone:
+        elif not self.life.tasks and self._found_once and not self.gone:
             # Lost, without a command: it is set up again when it answers, but not enabled.
             self.life.restore(FOUND)
             self._open_task(now)
         self._cycle_at = now
         return self._go_on(now)
 
-    def beat(self, _now: Nanoseconds) -> tuple[Packet, ...]:
-        """Send nothing."""
-        return ()
-
     def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take bytes, or what became of the line; what answers no request is ignored."""
         if packet.address == LINE_LOST and not packet.payload:
-            self._gone, self._open = True, None
+            self.gone, self._open = LOST, None
             self._forget()
             if self.life.tasks:
                 self._fail(LOST)
         elif packet.address == LINE_BACK and not packet.payload:
-            self._gone = False
+            self.gone = ""
         else:
             for line in self._reader.receive(packet.payload):
                 answer = self._open is not None and self._device.read(self._open, line)
@@ -282,7 +176,7 @@ class RequestLine:
 
     def _go_on(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Send the next request where the line is free."""
-        if self._open is not None or self._gone:
+        if self._open is not None or self.gone:
             return ()
         self._of_task, self._samples = bool(self._todo), NEVER_RECEIVED
         if self._todo:

@@ -210,15 +210,13 @@ class LinkTable(Table):
         return link
 
 
-class LineTable(LinkTable):
-    """A serial line to one device that answers each request: `[links.NAME]`."""
+class RequestTable(LinkTable):
+    """A serial line whose devices answer each request: `[links.NAME]`."""
 
     port_latency_us: Annotated[int, Field(ge=0, le=20_000)] = 1_000
     """Longest time that this machine's port may keep received bytes."""
     answers_within_ms: Annotated[int, Field(ge=5, le=1_000)] = 60
     """Timeout of a request, after which it is sent again."""
-    found_within_ms: Annotated[int, Field(ge=100, le=20_000)] = 5_000
-    """From the first request to the first answer."""
 
     @property
     def medium(self) -> Medium:
@@ -230,12 +228,19 @@ class LineTable(LinkTable):
         """Longest time that this machine's port may keep received bytes."""
         return self.port_latency_us
 
-    @property
-    def silent_hint(self) -> str:
-        """Power, port and rate of the device."""
-        return f"nothing was received on the line at {self.rate} Bd: is the device on, and is it this port?"
-
     def confirmed(self, cycle: Nanoseconds) -> Nanoseconds:
         """Return the time for the confirmation of a stop stage; `cycle` is the robot's."""
         # A sample may have been requested before the command, and the next one may be lost.
         return 3 * self.every * cycle
+
+
+class LineTable(RequestTable):
+    """A serial line to one device that answers each request: `[links.NAME]`."""
+
+    found_within_ms: Annotated[int, Field(ge=100, le=20_000)] = 5_000
+    """From the first request to the first answer."""
+
+    @property
+    def silent_hint(self) -> str:
+        """Power, port and rate of the device."""
+        return f"nothing was received on the line at {self.rate} Bd: is the device on, and is it this port?"

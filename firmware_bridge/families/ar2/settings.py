@@ -9,7 +9,7 @@ from typing import Annotated, Final
 
 from pydantic import Field
 
-from firmware_bridge.robot.table import AxisTable, Finite, LinkTable, Medium, Positive
+from firmware_bridge.robot.table import AxisTable, Finite, Positive, RequestTable
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 STEPS_PER_TURN: Final = 400
@@ -36,13 +36,11 @@ class Ar2Device(StrEnum):
     STEPPER = "ar2-stepper"
 
 
-class Ar2Link(LinkTable):
+class Ar2Link(RequestTable):
     """The serial line to the board, and the times of its moves."""
 
     driver: Annotated[Ar2Driver, Field(strict=False)]
     protocol: Annotated[Ar2Firmware, Field(strict=False)] = Ar2Firmware.AR2_2_0
-    port_latency_us: Annotated[int, Field(ge=0, le=20_000)] = 1_000
-    """Longest time that this machine's port may keep received bytes."""
     answers_within_ms: Annotated[int, Field(ge=5, le=1_000)] = 60
     """A question that has no answer by then, and by the end of a move, is given up."""
     boots_ms: Annotated[int, Field(ge=0, le=10_000)] = 1_200
@@ -53,11 +51,6 @@ class Ar2Link(LinkTable):
     """The longest that one move may last: once it is sent nothing stops it but a reset."""
 
     @property
-    def medium(self) -> Medium:
-        """A serial line."""
-        return Medium.SERIAL
-
-    @property
     def kind(self) -> str:
         """The firmware's protocol."""
         return self.protocol
@@ -66,11 +59,6 @@ class Ar2Link(LinkTable):
     def rate(self) -> int:
         """Bit rate of the line, bit/s."""
         return 115_200
-
-    @property
-    def latency_us(self) -> int:
-        """Longest time that this machine's port may keep received bytes."""
-        return self.port_latency_us
 
     @property
     def silent_hint(self) -> str:
@@ -84,10 +72,6 @@ class Ar2Link(LinkTable):
     def move(self) -> Nanoseconds:
         """The longest move."""
         return self.move_ms * MILLISECOND
-
-    def confirmed(self, cycle: Nanoseconds) -> Nanoseconds:
-        """Return the time for the confirmation of a stop stage; `cycle` is the robot's."""
-        return 3 * self.every * cycle
 
 
 class Ar2Axis(AxisTable):

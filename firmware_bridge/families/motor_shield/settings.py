@@ -6,7 +6,7 @@ from typing import Annotated, Final, Self
 
 from pydantic import Field, model_validator
 
-from firmware_bridge.robot.table import AxisTable, LinkTable, Medium, NonNegative, Positive, Table
+from firmware_bridge.robot.table import AxisTable, NonNegative, Positive, RequestTable, Table
 from firmware_bridge.units import MILLISECOND, RPM_PER_RAD_S, Nanoseconds
 
 FULL_PWM: Final = 255
@@ -84,17 +84,13 @@ class BoardGains(Table):
     ko: Annotated[int, Field(ge=1, le=1_000)] = 50
 
 
-class ShieldLink(LinkTable):
+class ShieldLink(RequestTable):
     """The serial line to a board, and the time-outs."""
 
     driver: Annotated[ShieldDriver, Field(strict=False)]
     protocol: Annotated[ShieldProtocol, Field(strict=False)]
     encoders: Annotated[int, Field(ge=0, le=4)] | None = None
     """Number of encoders that the firmware reads; None: as published."""
-    port_latency_us: Annotated[int, Field(ge=0, le=20_000)] = 1_000
-    """Longest time that this machine's port may keep received bytes."""
-    answers_within_ms: Annotated[int, Field(ge=5, le=1_000)] = 60
-    """Timeout of a request, after which it is sent again."""
     boots_ms: Annotated[int, Field(ge=0, le=10_000)] | None = None
     """Silence after a reset; None: as the firmware is published.
 
@@ -111,30 +107,20 @@ class ShieldLink(LinkTable):
     """The robot may be driven though nothing stops its motors when the bridge ends or the line is cut."""
 
     @property
-    def medium(self) -> Medium:
-        """A serial line."""
-        return Medium.SERIAL
-
-    @property
     def kind(self) -> str:
         """The firmware's protocol."""
         return self.protocol
 
     @property
-    def latency_us(self) -> int:
-        """Longest time that this machine's port may keep received bytes."""
-        return self.port_latency_us
-
-    @property
     def described(self) -> str:
         """Firmware and rate."""
-        return f"({self.protocol.value}, {self.line_rate} Bd)"
+        return f"({self.protocol.value}, {self.rate} Bd)"
 
     @property
     def silent_hint(self) -> str:
         """Power and firmware of the board."""
         return (
-            f"nothing was received on the line at {self.line_rate} Bd: is the board on, and was it flashed "
+            f"nothing was received on the line at {self.rate} Bd: is the board on, and was it flashed "
             f"with {self.protocol.value} (--protocol)?"
         )
 
@@ -154,14 +140,9 @@ class ShieldLink(LinkTable):
         return self.accept_no_watchdog
 
     @property
-    def line_rate(self) -> int:
-        """Bit rate of the line, bit/s."""
-        return BAUDS[self.protocol]
-
-    @property
     def rate(self) -> int:
         """Bit rate of the line, bit/s."""
-        return self.line_rate
+        return BAUDS[self.protocol]
 
     @property
     def boots(self) -> int:
@@ -185,9 +166,8 @@ class ShieldLink(LinkTable):
 
     def confirmed(self, cycle: Nanoseconds) -> Nanoseconds:
         """Return the time for the confirmation of a stop stage; `cycle` is the robot's."""
-        # A sample may have been requested before the command, and the next one may be lost.
         own = self.stop_confirmed_ms
-        return 3 * self.every * cycle if own is None else own * MILLISECOND
+        return super().confirmed(cycle) if own is None else own * MILLISECOND
 
     def over(self, protocol: ShieldProtocol, cycle_ms: int, encoders: int | None) -> Self:
         """Return this line to a board with another firmware; the robot's cycle is `cycle_ms`."""

@@ -10,7 +10,8 @@ from pydantic import Field
 from firmware_bridge.drivers.driver import Feedback, Position, Power, Reports, SetPoint, Stop
 from firmware_bridge.drivers.life_cycle import AT_REST, DriverState, Task, Transition
 from firmware_bridge.drivers.line_device import LineDevice, Report
-from firmware_bridge.drivers.request_line import LOST, TRIES, UNFOUND, line_drivers
+from firmware_bridge.drivers.line_driver import LOST
+from firmware_bridge.drivers.request_line import TRIES, UNFOUND, line_drivers
 from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.table import LineTable, Medium

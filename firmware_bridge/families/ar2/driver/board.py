@@ -9,9 +9,10 @@ The position is sent on the line, too, so that guard and recordings know it.
 from typing import Final, NamedTuple
 
 from firmware_bridge.drivers.driver import Stop
-from firmware_bridge.drivers.life_cycle import FOUND, LifeCycle, Task, Transition
+from firmware_bridge.drivers.life_cycle import FOUND, Task, Transition
+from firmware_bridge.drivers.line_driver import LOST
 from firmware_bridge.families.ar2 import wire
-from firmware_bridge.families.ar2.driver.joint import Ar2Joint
+from firmware_bridge.families.ar2.driver.joint import Ar2Joint, JointBoard
 from firmware_bridge.families.ar2.driver.slices import Slice, slice_of
 from firmware_bridge.families.ar2.settings import Ar2Link
 from firmware_bridge.intent import NEVER_RECEIVED
@@ -19,9 +20,6 @@ from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
-LOST: Final = "the serial line to the arm's board is gone"
-BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
-"""The board watches for no one: a move ends by itself, and no other follows."""
 FOUND_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
 TRIES: Final = 3
 KEPT: Final = 256
@@ -43,28 +41,15 @@ class Question(NamedTuple):
     """The joint whose position it carries."""
 
 
-class Ar2Board:
+class Ar2Board(JointBoard):
     """A `firmware_bridge.drivers.link_drivers.DeviceLink`."""
 
     def __init__(self, name: str, table: Ar2Link) -> None:
-        self.name = name
-        self.answers_within: Nanoseconds = table.answers_within_ms * MILLISECOND
-        self.beat_every = BEATS
-        self.remark = ""
-        self.listens_for: Nanoseconds = 0
-        self.late = 0
-        self.longest_cycle: Nanoseconds = 0
-        """From the begin of a cycle to the answer of its question."""
-        self.commands = 0
-        """Lines so far."""
-        self.busy: Nanoseconds = 0
-        """In which an answer was waited for."""
+        super().__init__(name, table.answers_within_ms * MILLISECOND, frozenset({Transition.HOME}))
         self.joints: tuple[Ar2Joint, ...] = ()
-        self.life: Final = LifeCycle(frozenset({Transition.HOME}))
-        self.configured = False
         self._table: Final = table
         self._silent_after: Final = table.silent_ms * MILLISECOND
-        self._gone = self._dirty = self._found_once = False
+        self._dirty = self._found_once = False
         self._received_at: Nanoseconds = NEVER_RECEIVED
         self._received = b""
         self._requested = 0
@@ -93,26 +78,18 @@ class Ar2Board:
             Task.DISABLE: self._release_current,
         }
 
-    @property
-    def lost(self) -> str | None:
-        """The reason why the board cannot be reached."""
-        return LOST if self._gone else None
-
     def hint(self, now: Nanoseconds) -> str:
         """Return what to check where the board is looked for in vain."""
         since = self._found_until - self._table.boots_within_ms * MILLISECOND
         missed = self.life.tasks[:1] == (Task.FIND,) and now - since >= MISSED
         return f"{self.name}: {SILENT}" if missed else ""
 
-    def master(self, _now: Nanoseconds) -> None:
-        """Report nothing: a line has one host."""
-
     @property
     def wake_at(self) -> Nanoseconds:
         """At once where a line is to be sent and the port is free; else when an answer is overdue."""
         if self._question is not None:
             return self._until
-        if self._gone:
+        if self.gone:
             return NEVER
         has_more = bool(self._places) or (self._dirty and self._may_move) or self._requests
         return self._speaks_at if has_more else self._starts_until
@@ -151,7 +128,7 @@ class Ar2Board:
             self._forget(now)
         if self._question is not None:
             self.late += 1
-        elif self._gone or now < self._speaks_at:
+        elif self.gone or now < self._speaks_at:
             return ()
         elif self.configured:
             self._cycle_at = now
@@ -162,20 +139,16 @@ class Ar2Board:
             return self._open_task(now) + self._go_on(now)
         return ()
 
-    def beat(self, _now: Nanoseconds) -> tuple[Packet, ...]:
-        """Say nothing."""
-        return ()
-
     def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take bytes, or what became of the line; what answers no question is ignored."""
         if packet.address == LINE_LOST and not packet.payload:
-            self._gone = True
+            self.gone = LOST
             self._question = None
             self._forget(now)
             if self.life.tasks:
                 self._fail(LOST)
         elif packet.address == LINE_BACK and not packet.payload:
-            self._gone = False
+            self.gone = ""
             self._speaks_at = now + self._boots
         else:
             self._received = (self._received + bytes(packet.payload))[-KEPT:]
@@ -211,7 +184,7 @@ class Ar2Board:
 
     def _go_on(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Send the next line, where the port is free: a task's request, a position, a move."""
-        if self._question is not None or self._gone or now < self._speaks_at:
+        if self._question is not None or self.gone or now < self._speaks_at:
             return ()
         if self._requests:
             return (self._ask(Question(self._next_text()), now),)

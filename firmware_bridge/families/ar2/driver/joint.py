@@ -5,23 +5,16 @@ of moves whose end the board has proved. A motor that has lost steps is not noti
 are the board's: a set-point is noted here.
 """
 
-from typing import Final, Protocol
+from typing import Final
 
-from firmware_bridge.drivers.driver import (
-    Feedback,
-    Position,
-    Power,
-    Reports,
-    SetPoint,
-    StartupError,
-    Stop,
-)
-from firmware_bridge.drivers.life_cycle import NOT_ENDED, DriverState, LifeCycle, Task, Transition
+from firmware_bridge.drivers.driver import Feedback, Position, Reports, Stop
+from firmware_bridge.drivers.life_cycle import DriverState
+from firmware_bridge.drivers.line_driver import LineDriver, LineLink
 from firmware_bridge.families.ar2.settings import Ar2Axis, Ar2Link
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis
-from firmware_bridge.units import NEVER, Nanoseconds, to_seconds
+from firmware_bridge.units import Nanoseconds, to_seconds
 
 REPORTS: Final = frozenset({Reports.STOP})
 """The board's answer to a line behind a move proves that its steps are done; it reports nothing more."""
@@ -29,35 +22,19 @@ MOVES_AT_ONCE: Final = 1
 """Steps beside those of its top speed, for the rounding of the command."""
 
 
-class JointBoard(Protocol):
+class JointBoard(LineLink):
     """The carrier of the joint's commands: its board."""
 
-    @property
-    def life(self) -> LifeCycle:
-        """The life cycle of all its joints."""
-
-    @property
-    def configured(self) -> bool:
-        """True where the board was found, and not lost since."""
-
-    def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
-        """Begin a transition, for all joints."""
-
-    def end_tasks(self) -> None:
-        """Do those under way no more."""
-
-    def note_set_point(self) -> None:
-        """Move the joints to where they are wanted, soon."""
-
     def placed(self, joint: "Ar2Joint", steps: int, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Say on the line where a joint stands."""
+        """Send on the line where a joint stands."""
+        raise NotImplementedError
 
 
-class Ar2Joint:
+class Ar2Joint(LineDriver):
     """One joint."""
 
     def __init__(self, axis: Axis, robot: AnyRobot, board: JointBoard) -> None:
-        self._axis: Final = axis
+        super().__init__(axis, board, REPORTS)
         self._board: Final = board
         self.number: Final = Ar2Axis.of(axis).joint
         self._per_unit: Final = Ar2Axis.of(axis).steps_per_unit(axis.ratio)
@@ -67,55 +44,15 @@ class Ar2Joint:
         by_motor = 2.0 * Ar2Axis.of(axis).full_steps_s * to_seconds(link.move)
         self.most: Final = int(min(by_axis, by_motor)) + MOVES_AT_ONCE
         """Steps of one move."""
-        self.set_point: SetPoint = Stop.STANDSTILL
-        self.enabled = False
-        """True where it may be moved."""
-        self.released = False
-        """True where the board has proved that nothing moves since it may not."""
         self.count: int | None = None
         """Steps from the end of its way; None while no one knows."""
         self.commanded: int | None = None
         """The count that was sent to the board, which has not answered."""
-        self._position = self._velocity = 0.0
-        self._received_at: Nanoseconds = NEVER_RECEIVED
-        self._sampled_at: Nanoseconds = NEVER_RECEIVED
-
-    @property
-    def axis(self) -> Axis:
-        """The axis that it moves."""
-        return self._axis
-
-    @property
-    def reports(self) -> frozenset[Reports]:
-        """Reports of its device."""
-        return REPORTS
 
     @property
     def feedback(self) -> Feedback:
-        """Its known state; the power is as commanded here, and its current is never the bridge's."""
-        power = Power.UNKNOWN
-        if self._board.configured and self._received_at != NEVER_RECEIVED:
-            # The board reports no power; this is what was commanded, and its motors keep their current.
-            power = Power.ON if self.enabled else Power.OFF
-        return Feedback(
-            axis=self._axis.name,
-            power=power,
-            received_at=self._received_at,
-            sampled_at=self._sampled_at,
-            position=self._position,
-            velocity=self._velocity,
-            text="" if power is Power.UNKNOWN else "counted" if self.enabled else "counted, not moved",
-            reference_lost=self.count is None,
-        )
-
-    @property
-    def sampled_at(self) -> Nanoseconds:
-        """Time of its newest sample."""
-        return self._sampled_at
-
-    @property
-    def between(self) -> None:
-        """None: its device sends no position between samples."""
+        """Its known state; the power is as commanded here, and its motors keep their current."""
+        return self.as_commanded("counted", "counted, not moved", reference_lost=self.count is None)
 
     @property
     def state(self) -> DriverState:
@@ -127,12 +64,6 @@ class Ar2Joint:
         return DriverState.INACTIVE if state is DriverState.ACTIVE and not self.enabled else state
 
     @property
-    def failure(self) -> StartupError | None:
-        """The failure of the board's last transition."""
-        problem = self._board.life.problem
-        return None if problem is None else StartupError(self._axis, problem)
-
-    @property
     def unpowered(self) -> bool:
         """True where the board has proved that nothing moves, and nothing was sent since.
 
@@ -140,45 +71,14 @@ class Ar2Joint:
         """
         return self.released
 
-    @property
-    def wake_at(self) -> Nanoseconds:
-        """Never: the board is woken."""
-        return NEVER
-
-    def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
-        """Begin a transition, with all joints; a homing is refused: its position is confirmed by sight."""
-        return self._board.begin(transition, now, task)
-
     def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
         """Count from a confirmed position, in rad; it is sent on the line, and counts once echoed."""
         return self._board.placed(self, self.steps_at(position), now)
 
-    def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
-        """Note a set-point; while tasks are under way only one that stops, unless they do so themselves."""
-        life = self._board.life
-        if life.tasks:
-            if set_point not in {Stop.QUICK_STOP, Stop.POWER_OFF} or life.state in NOT_ENDED:
-                return ()
-            self._board.end_tasks()
-        self.set_point = set_point
-        if set_point is Stop.POWER_OFF:
-            self.enabled = False
-        self._board.note_set_point()
-        return ()
-
-    def release(self) -> tuple[Packet, ...]:
-        """Do nothing: no command of the board has a handshake."""
-        return ()
-
-    def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing: the board is woken."""
-        del now
-        return ()
-
     def steps_at(self, position: float) -> int:
         """Return the count at a position in rad."""
         # Counted from one end of the travel, as the GUI does, in the motor's direction.
-        return round(self._axis.direction * (position - Ar2Axis.of(self._axis).origin) * self._per_unit)
+        return round(self.axis.direction * (position - Ar2Axis.of(self.axis).origin) * self._per_unit)
 
     @property
     def wanted(self) -> int:
@@ -202,7 +102,7 @@ class Ar2Joint:
         """Take the board's answer to a cycle's request; `placed`: its position was sent since."""
         before, count = self._position, self.count
         if count is not None:
-            self._position = Ar2Axis.of(self._axis).origin + self._axis.direction * count / self._per_unit
+            self._position = Ar2Axis.of(self.axis).origin + self.axis.direction * count / self._per_unit
         # A position that was confirmed in between is no motion.
         known = self._sampled_at != NEVER_RECEIVED and count is not None and not placed
         elapsed = to_seconds(cycle_at - self._sampled_at)

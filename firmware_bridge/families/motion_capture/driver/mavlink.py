@@ -3,58 +3,26 @@
 from collections.abc import Iterable
 from typing import Final
 
+from firmware_bridge.drivers.plain_link import PlainLink
 from firmware_bridge.families.motion_capture.driver.body import SeenBody, Sighting
 from firmware_bridge.families.motion_capture.driver.clock import StampClock
 from firmware_bridge.families.motion_capture.settings import CaptureLink
 from firmware_bridge.families.motion_capture.wire.mavlink_pose import MavlinkPose, poses
 from firmware_bridge.packet import Packet
-from firmware_bridge.units import MICROSECOND, NEVER, SECOND, Nanoseconds
+from firmware_bridge.units import MICROSECOND, Nanoseconds
 from firmware_bridge.wire.internet import same_host
 
 
-class MavlinkPoses:
-    """A `firmware_bridge.drivers.link_drivers.DeviceLink`."""
+class MavlinkPoses(PlainLink):
+    """A link whose loss is none: poses that do not come make readings old, and nothing else."""
 
     def __init__(self, name: str, table: CaptureLink, bodies: Iterable[SeenBody]) -> None:
-        self.name = name
-        self.answers_within: Nanoseconds = 0
-        self.beat_every: Nanoseconds = SECOND
-        self.remark = ""
-        self.listens_for: Nanoseconds = 0
-        self.late = 0
-        self.lost: str | None = None
-        """Always None: poses that do not come make readings old, and nothing else."""
-        self.wake_at: Nanoseconds = NEVER
+        super().__init__(name)
         self._table: Final = table
         self._place: Final = table.server_number
         self._bodies: Final = tuple(bodies)
         self._clock: Final = StampClock()
         self._resets: int | None = None
-
-    def hint(self, now: Nanoseconds) -> str:
-        """Return nothing: cameras are waited for by no start."""
-        del now
-        return ""
-
-    def master(self, now: Nanoseconds) -> str | None:
-        """Return None: no one commands anything here."""
-        del now
-        return None
-
-    def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing."""
-        del now
-        return ()
-
-    def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing."""
-        del now
-        return ()
-
-    def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing."""
-        del now
-        return ()
 
     def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take the poses of a datagram; one of another host is left."""

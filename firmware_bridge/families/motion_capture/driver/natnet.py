@@ -8,6 +8,7 @@ server's, or cannot be read, is counted and left; nothing of it reaches the robo
 from collections.abc import Iterable
 from typing import Final
 
+from firmware_bridge.drivers.plain_link import PlainLink
 from firmware_bridge.families.motion_capture.driver.body import SeenBody, Sighting
 from firmware_bridge.families.motion_capture.driver.clock import StampClock
 from firmware_bridge.families.motion_capture.settings import CaptureLink
@@ -34,20 +35,12 @@ _ALIVE: Final = packet(MessageId.KEEPALIVE)
 _WHICH: Final = packet(MessageId.REQUEST_MODELDEF)
 
 
-class NatNetLink:
-    """A `firmware_bridge.drivers.link_drivers.DeviceLink`."""
+class NatNetLink(PlainLink):
+    """A link whose loss is none: a stream that is not there makes readings old, and nothing else."""
 
     def __init__(self, name: str, table: CaptureLink, bodies: Iterable[SeenBody]) -> None:
-        self.name = name
-        self.answers_within: Nanoseconds = 0
-        """No cycle waits for the cameras."""
-        self.beat_every = ALIVE_EVERY
-        self.remark = ""
-        self.listens_for: Nanoseconds = 0
-        self.late = 0
-        self.lost: str | None = None
-        """Always None: a stream that is not there makes readings old, and nothing else."""
-        self.wake_at: Nanoseconds = 0
+        super().__init__(name, beat_every=ALIVE_EVERY)
+        self._wake_at: Nanoseconds = 0
         self.refused = 0
         """Packets that could not be read."""
         self.problem = ""
@@ -66,29 +59,18 @@ class NatNetLink:
         """Time of the newest frame."""
         self._clock = StampClock()
 
-    def hint(self, now: Nanoseconds) -> str:
-        """Return nothing: cameras are waited for by no start."""
-        del now
-        return ""
+    @property
+    def wake_at(self) -> Nanoseconds:
+        """Time of the next request."""
+        return self._wake_at
 
-    def master(self, now: Nanoseconds) -> str | None:
-        """Return None: a server has many listeners."""
-        del now
-        return None
-
-    def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing: frames come at the cameras' rate."""
-        del now
-        return ()
-
-    def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
+    def beat(self, _now: Nanoseconds) -> tuple[Packet, ...]:
         """Show the server that a listener is there."""
-        del now
         return () if self.server is None else (self._sent(_ALIVE),)
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Connect where nothing is received, and request names that are not known."""
-        self.wake_at = now + AGAIN
+        self._wake_at = now + AGAIN
         if now - self._received_at >= self._silent:
             return (self._sent(CONNECT),)
         return (self._sent(_WHICH),) if self._wanted() else ()

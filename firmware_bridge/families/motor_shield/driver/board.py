@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Final
 
 from firmware_bridge.drivers.driver import Stop
-from firmware_bridge.drivers.life_cycle import FOUND, NOT_ENDED, LifeCycle, Task, Transition
+from firmware_bridge.drivers.life_cycle import FOUND, NOT_ENDED, Task, Transition
+from firmware_bridge.drivers.line_driver import LOST, LineLink
 from firmware_bridge.families.motor_shield.driver.booting import FOUND_EVERY, TRIES, Booting
 from firmware_bridge.families.motor_shield.driver.dialects import BoardMessage, Dialect, Numbers
 from firmware_bridge.families.motor_shield.driver.expressed import expressed
@@ -24,40 +25,25 @@ from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 if TYPE_CHECKING:
     from firmware_bridge.families.motor_shield.driver.motor import ShieldMotor
 
-LOST: Final = "the serial line to the board is gone"
-BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
-"""Period of a heartbeat, which no firmware watches for; each speed command keeps a board from stopping."""
 RESTORING: Final = (Task.IDENTIFY, Task.CONFIGURE)
 REFUSED: Final = frozenset({Transition.HOME, Transition.SET_ZERO})
 """A motor at a shield has no travel, and no one knows where it stands."""
 _LETTING_GO: Final = (Task.LEAVE, Task.DISABLE)
 
 
-class Board:
+class Board(LineLink):
     """A `firmware_bridge.drivers.link_drivers.DeviceLink`."""
 
     def __init__(self, name: str, table: ShieldLink, dialect: Dialect, answers_within: Nanoseconds) -> None:
-        self.name = name
-        self.answers_within = answers_within
-        self.beat_every = BEATS
-        self.remark = ""
-        self.listens_for: Nanoseconds = 0
-        self.late = 0
-        self.longest_cycle: Nanoseconds = 0
-        """From the begin of a cycle to the end of its last command, where no tasks were under way."""
-        self.commands = 0
-        """Commands so far."""
-        self.busy: Nanoseconds = 0
+        super().__init__(name, answers_within, REFUSED)
         self.motors: tuple[ShieldMotor, ...] = ()
         self.clock: Nanoseconds = 0
-        self.life: Final = LifeCycle(REFUSED)
-        self.configured = False
         self._dialect: Final = dialect
         self._reader = dialect.reader()
         self._silent_after: Final = table.silent_ms * MILLISECOND
         self._patience: Final = table.answers_within_ms * MILLISECOND
         self._booting: Final = Booting(name, table, dialect.begins)
-        self._gone = self._dirty = self._set_up_once = False
+        self._dirty = self._set_up_once = False
         self._received_at: Nanoseconds = NEVER_RECEIVED
         self._question: BoardMessage | None = None
         self._requested_at: Nanoseconds = 0
@@ -82,22 +68,14 @@ class Board:
         """The commands of a task; None where it waits, or has failed. Other tasks need none."""
         self._releasing: Final = Releasing()
 
-    @property
-    def lost(self) -> str | None:
-        """The reason why the board cannot be reached."""
-        return LOST if self._gone else None
-
     def hint(self, now: Nanoseconds) -> str:
         """Return what to check where the board is looked for in vain."""
         return self._booting.hint(now) if self.life.tasks[:1] == (Task.FIND,) else ""
 
-    def master(self, _now: Nanoseconds) -> None:
-        """Report nothing: a line has one host."""
-
     @property
     def wake_at(self) -> Nanoseconds:
         """At once where a command is to be sent and the line is free; else when an answer is overdue."""
-        if self._question is None and not self._gone:
+        if self._question is None and not self.gone:
             wanted = self._dirty and not self.life.tasks
             if wanted or self._waiting.urgent:
                 return self._booting.speaks_at
@@ -152,10 +130,6 @@ class Board:
             waiting.samples.append(self._dialect.find())
         return self._go_on(now)
 
-    def beat(self, _now: Nanoseconds) -> tuple[Packet, ...]:
-        """Say nothing."""
-        return ()
-
     def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take bytes, or what became of the line; what answers no question is ignored."""
         self.clock = now
@@ -163,7 +137,7 @@ class Board:
         if packet.address == LINE_LOST and not packet.payload:
             self._lose()
         elif packet.address == LINE_BACK and not packet.payload:
-            self._gone = False
+            self.gone = ""
             self._booting.begun(now)
         else:
             if not self.configured:
@@ -193,7 +167,7 @@ class Board:
 
     def _go_on(self, now: Nanoseconds) -> tuple[Packet, ...]:
         sent: list[Packet] = []
-        while self._question is None and not self._gone and now >= self._booting.speaks_at:
+        while self._question is None and not self.gone and now >= self._booting.speaks_at:
             if self._dirty and not self._waiting.motion and not self.life.tasks:
                 self._express(now)
             message = self._taken()
@@ -383,7 +357,7 @@ class Board:
         self._reader = self._dialect.reader()
 
     def _lose(self) -> None:
-        self._gone = True
+        self.gone = LOST
         self._drop()
         self._forget()
         if self.life.tasks:

@@ -33,7 +33,7 @@ class Booting:
         """Take `begins`, the banner that its firmware sends when it has begun again."""
         self._name: Final = name
         self._causes: Final = (
-            f"is the board powered? is it this port, at {table.line_rate} Bd, and flashed with "
+            f"is the board powered? is it this port, at {table.rate} Bd, and flashed with "
             f"{table.protocol.value}? {NO_BUS}"
         )
         self._sought_at: Nanoseconds = 0

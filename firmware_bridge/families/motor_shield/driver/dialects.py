@@ -259,7 +259,7 @@ class Mw(Dialect):
             lasts = mw.SHIELD_TAKES_MS if command.writes > CHANNELS else mw.MOTOR_TAKES_MS
             yield BoardMessage(
                 command.what,
-                mw.apart(command.data, line_rate=self.link.line_rate, milliseconds=lasts),
+                mw.apart(command.data, line_rate=self.link.rate, milliseconds=lasts),
                 writes=command.writes,
             )
 

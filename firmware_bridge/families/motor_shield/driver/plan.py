@@ -93,7 +93,7 @@ def _entries(link: ShieldLink, orders: Iterable[BoardMessage]) -> tuple[BoardCom
 
 def takes(link: ShieldLink, say: BoardMessage) -> Nanoseconds:
     """Return how long a command takes, with its answer and what the board writes for it."""
-    on_line = (len(say.data) + say.answer) * BITS_PER_BYTE * SECOND // link.line_rate
+    on_line = (len(say.data) + say.answer) * BITS_PER_BYTE * SECOND // link.rate
     # Only an answer waits for the USB chip, which collects bytes before it passes them on.
     turn = 0 if say.reads is None else (CHIP_FLUSH_US + link.port_latency_us) * MICROSECOND
     on_bus = say.writes * BUS_WRITE_US * MICROSECOND

@@ -196,7 +196,7 @@ def no_motion(motor: int, board: Board) -> Iterator[bytes]:
     elif protocol is ShieldProtocol.MW:
         if mw.SHIELD in board.libraries:
             frame = mw.encode_request(messages.StopMotor(0, motor - 1), 0, board.libraries)
-            yield mw.apart(frame, line_rate=board.link.line_rate, milliseconds=mw.MOTOR_TAKES_MS)
+            yield mw.apart(frame, line_rate=board.link.rate, milliseconds=mw.MOTOR_TAKES_MS)
     else:
         yield firmata.i2c_write(motor_shield.ADDRESS, motor_shield.encode_channel(motor, Pin.PWM, 0))
 

@@ -6,13 +6,14 @@ from typing import Final
 from firmware_bridge.canopen import cia301, sdo
 from firmware_bridge.canopen.cia301 import NODE_MASK, NmtState
 from firmware_bridge.drivers.link_drivers import LinkDrivers
+from firmware_bridge.drivers.plain_link import PlainLink
 from firmware_bridge.families.epos2.driver.can.drive import Epos2OnCan
 from firmware_bridge.families.epos2.driver.inputs_outputs import inputs_of, outputs_at, outputs_of
 from firmware_bridge.families.epos2.driver.process_data import SET_POINT_COB_ID
 from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire import can
 
 ANSWERS_WITHIN: Final[Nanoseconds] = 10 * MILLISECOND
@@ -30,21 +31,17 @@ def can_link_drivers(robot: AnyRobot, name: str) -> LinkDrivers:
     return LinkDrivers(link, table, drives, inputs_of(robot, name, drives), outputs_of(robot, drives))
 
 
-class CanLink:
+class CanLink(PlainLink):
     """A `firmware_bridge.drivers.link_drivers.DeviceLink`."""
 
     def __init__(self, name: str, drives: Iterable[Epos2OnCan], table: Epos2Link) -> None:
-        self.name = name
-        self.answers_within = ANSWERS_WITHIN
-        self.beat_every = table.bridge_heartbeat_ms * MILLISECOND
-        self.remark = ""
-        self.listens_for = table.bridge_silent_ms * MILLISECOND
-        """The heartbeat producer that satisfies the drives' consumers sends within that time."""
-        self.late = 0
-        """Always: the samples of a cycle leave at its SYNC."""
-        self.lost: str | None = None
-        """Always None: a port that loses its bus ends the program."""
-        self.wake_at: Nanoseconds = NEVER
+        super().__init__(
+            name,
+            ANSWERS_WITHIN,
+            table.bridge_heartbeat_ms * MILLISECOND,
+            # The heartbeat producer that satisfies the drives' consumers sends within that time.
+            table.bridge_silent_ms * MILLISECOND,
+        )
         self._drives = tuple(drives)
         self._by_node = {Epos2Axis.of(drive.axis).node: drive for drive in self._drives}
         beat = cia301.encode_heartbeat(NmtState.OPERATIONAL)
@@ -54,10 +51,6 @@ class CanLink:
         """Identifiers that only a master sends: our own frames do not come back to us."""
         self._master: tuple[Nanoseconds, str, Packet] | None = None
         """Time of the last such frame, its kind, and the frame."""
-
-    def hint(self, _now: Nanoseconds) -> str:
-        """Return no hint: the drives are queried one by one, and a failed task reports its cause."""
-        return ""
 
     def master(self, now: Nanoseconds) -> str | None:
         """Return the recent traffic of a second controller, with its frame."""
@@ -91,10 +84,6 @@ class CanLink:
                 drive.rewritten(f"{packet.address:03X}#{packet.payload.hex().upper()}", now)
             return ()
         return drive.receive(packet, now)
-
-    def wake(self, _now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing."""
-        return ()
 
 
 def _masters(drives: Iterable[Epos2OnCan], table: Epos2Link) -> dict[int, str]:

@@ -10,6 +10,7 @@ from typing import Final
 
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen.cia301 import NmtState
+from firmware_bridge.drivers.plain_link import PlainLink
 from firmware_bridge.families.epos2.driver.serial.drive import Epos2OnSerial
 from firmware_bridge.families.epos2.driver.serial.exchange import Job, LineExchange, Rank, Result
 from firmware_bridge.families.epos2.driver.serial.feedback import IN_EVERY_CYCLE, IN_TURN
@@ -34,7 +35,7 @@ def guarding(link: Epos2Link, nodes: Sequence[int]) -> RequestCanFrame:
     return RequestCanFrame(cia301.ERROR_CONTROL + link.guardian(nodes), 1)
 
 
-class SerialLink:
+class SerialLink(PlainLink):
     """A `firmware_bridge.drivers.link_drivers.DeviceLink`."""
 
     def __init__(
@@ -45,15 +46,8 @@ class SerialLink:
         table: Epos2Link,
         answers_within: Nanoseconds,
     ) -> None:
-        self.name = name
-        self.answers_within = answers_within
-        self.beat_every = table.bridge_heartbeat_ms * MILLISECOND
-        self.remark = ""
-        self.listens_for: Nanoseconds = 0
-        """Frames of a second controller on the bus behind the gateway do not come to this end of the line."""
-        self.late = 0
-        self.longest_cycle: Nanoseconds = 0
-        """From the begin of a cycle to the end of its last command, where no drive had tasks to do."""
+        # Frames of a second controller on the bus behind the gateway do not come to this end of the line.
+        super().__init__(name, answers_within, table.bridge_heartbeat_ms * MILLISECOND)
         self._drives = tuple(drives)
         self._exchange = exchange
         nodes = tuple(Epos2Axis.of(drive.axis).node for drive in self._drives)
@@ -73,13 +67,6 @@ class SerialLink:
     def lost(self) -> str | None:
         """The reason why no drive can be reached."""
         return LOST if self._exchange.gone else None
-
-    def hint(self, _now: Nanoseconds) -> str:
-        """Return no hint: the drives are queried one by one, and a failed task reports its cause."""
-        return ""
-
-    def master(self, _now: Nanoseconds) -> None:
-        """Report nothing: what others send on the bus stays behind the gateway."""
 
     @property
     def wake_at(self) -> Nanoseconds:
