@@ -274,6 +274,9 @@ class PowerDown:
             for axis in free:
                 if axis.driver.feedback.power is not Power.FAULT:
                     self._outbox += axis.driver.begin(Transition.ACTIVATE, now)
+                    if axis.driver.failure is not None:
+                        # Its set-up is not in force: it gets its power after that, and no sooner.
+                        self._outbox += axis.driver.begin(Transition.RECOVER, now)
             called = slips.driver.axis.called
             self._keep(f"on a slope: held with power; {called} moved when its power was disabled", now)
         elif now >= self._since + WATCHED_FOR:

@@ -216,7 +216,7 @@ class Driver(Protocol):
         """Begin `Transition.SET_ZERO`: the axis stands at this position, in its unit."""
 
     def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
-        """Send a set-point; one that moves an axis which is not active is replaced by standstill.
+        """Send a set-point; one that moves an axis which was not activated, or failed since, is standstill.
 
         While tasks run only quick stop or power off is sent, and rest to one that homes. Those end the
         tasks, unless they stop the device themselves.

@@ -3,6 +3,7 @@
 The line has one life cycle and sends the set-points, when it is free.
 """
 
+from abc import abstractmethod
 from typing import Final
 
 from firmware_bridge.drivers.driver import Feedback, Power, Reports, SetPoint, StartupError, Stop
@@ -28,17 +29,17 @@ class LineLink(PlainLink):
         self.configured = False
         """True where the set-up is in force: the device was found, and not lost since."""
 
+    @abstractmethod
     def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
         """Begin a transition, or one of its tasks, for all axes of the line."""
-        raise NotImplementedError
 
+    @abstractmethod
     def end_tasks(self) -> None:
         """Do those under way no more."""
-        raise NotImplementedError
 
+    @abstractmethod
     def note_set_point(self) -> None:
         """Send the axes' set-points, as soon as the line is free."""
-        raise NotImplementedError
 
 
 class LineDriver:
@@ -58,9 +59,9 @@ class LineDriver:
         self._sampled_at: Nanoseconds = NEVER_RECEIVED
 
     @property
+    @abstractmethod
     def feedback(self) -> Feedback:
         """The state that it has reported."""
-        raise NotImplementedError
 
     def as_commanded(self, powered: str, unpowered: str, *, reference_lost: bool) -> Feedback:
         """Return the feedback of a device that reports no power: the one that was commanded and acknowledged.

@@ -23,7 +23,7 @@ from firmware_bridge.drivers.driver import (
     Speed,
     StartupError,
 )
-from firmware_bridge.drivers.life_cycle import DriverState, Task, Transition
+from firmware_bridge.drivers.life_cycle import AT_REST, TABLE, DriverState, Task, Transition
 from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.intent import Answer, Arm, Request
@@ -244,6 +244,9 @@ class FakeDriver:
         self, transition: Transition, _now: Nanoseconds, _task: Task | None = None
     ) -> tuple[Packet, ...]:
         self.begun.append(transition)
+        known = self.state not in AT_REST or (self.state, transition) in TABLE
+        refused = not known and transition is not Transition.END
+        self.failure = StartupError(self.axis, "refused") if refused else None
         return ()
 
     def set_zero(self, position: float, _now: Nanoseconds) -> tuple[Packet, ...]:

@@ -5,6 +5,7 @@ of moves whose end the board has proved. A motor that has lost steps is not noti
 are the board's: a set-point is noted here.
 """
 
+from abc import abstractmethod
 from typing import Final
 
 from firmware_bridge.drivers.driver import Feedback, Position, Reports, Stop
@@ -25,9 +26,9 @@ MOVES_AT_ONCE: Final = 1
 class JointBoard(LineLink):
     """The carrier of the joint's commands: its board."""
 
+    @abstractmethod
     def placed(self, joint: "Ar2Joint", steps: int, now: Nanoseconds) -> tuple[Packet, ...]:
         """Send on the line where a joint stands."""
-        raise NotImplementedError
 
 
 class Ar2Joint(LineDriver):
