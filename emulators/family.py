@@ -282,6 +282,8 @@ class EmulatedFamily:
 
     links: tuple[type[LinkTable], ...]
     """Tables of the links that it emulates."""
+    aliases: tuple[str, ...] = ()
+    """Other words for its name, as `emulate` has them."""
     plans: Callable[[BuildOrder], Sequence[Plan]] = _no_plans
     """Devices that move the plant; RobotFileError."""
     sees: PlantNeeds = field(default_factory=PlantNeeds)

@@ -149,6 +149,7 @@ FAMILY: Final = EmulatedFamily(
     protocols=_protocols,
     traits=frozenset({Trait.MOTOR, Trait.ENCODER}),
     faults=_faults,
+    aliases=("board",),
     alone_faults=_alone_faults,
     spoken=_spoken,
     reports_to_console=_reports,

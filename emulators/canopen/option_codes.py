@@ -38,4 +38,8 @@ FAULT_REACTION: Final[Mapping[int, ErrorReaction]] = MappingProxyType(
 ABORT_CONNECTION: Final[Mapping[int, ErrorReaction]] = MappingProxyType(
     {0: ErrorReaction.NONE, 2: ErrorReaction.DISABLE, 3: ErrorReaction.QUICK_STOP}
 )
-"""0x6007 for a lost connection; 1, and others, react by 0x605E. Each but 0 ends in Fault."""
+"""0x6007 for a lost connection; 1, and others, react by 0x605E.
+
+The standard names commands for 2 and 3, not the state that follows. Here each but 0 ends in Fault: that
+is the EPOS2's (0x8130), and a guess for any other product.
+"""

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
@@ -82,16 +81,16 @@ def _of(robot: "AnyRobot") -> dict[str, str]:
     return {name: ", ".join(filter(None, places)) for name, places in found.items()}
 
 
-ALIASES: Final[Mapping[str, str]] = MappingProxyType({"board": "motor_shield", "capture": "motion_capture"})
-"""Other words for a family, as `emulate` has them."""
-
-
 def _alone() -> "dict[str, Callable[[], Mapping[str, str]]]":
     """Return the families of which one device alone can have faults, and what lists these."""
     from emulators.family import families
 
-    own = {name: one.alone_faults for name, one in families().items() if one.alone_faults is not None}
-    return own | {word: own[name] for word, name in ALIASES.items() if name in own}
+    return {
+        word: one.alone_faults
+        for name, one in families().items()
+        for word in (name, *one.aliases)
+        if one.alone_faults is not None
+    }
 
 
 def _who(kind: "FaultKind") -> str:
