@@ -31,6 +31,7 @@ class BusError(Enum):
     BUS_OFF = "CAN controller bus off"
     COB_ID_COLLISION = "data frame with the device's own transmit COB-ID"
     PDO_TOO_SHORT = "receive PDO shorter than its mapping"
+    PDO_MISSED = "receive PDO not received within its event timer"
     PARAMETERS_LOST = "saved parameters cannot be read"
 
 
@@ -40,6 +41,7 @@ CIA_301_CODES: Final[Mapping[BusError, int]] = MappingProxyType(
         BusError.PASSIVE: 0x8120,
         BusError.COB_ID_COLLISION: 0x8150,
         BusError.PDO_TOO_SHORT: 0x8210,
+        BusError.PDO_MISSED: 0x8250,
     }
 )
 

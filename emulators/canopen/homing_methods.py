@@ -1,11 +1,13 @@
 """Homing methods of CiA 402, each as the moves that it is made of: one row for each number of 0x6098.
 
 Source: CiA 402-2, homing mode. The shaft goes to a switch or into a stop fast (0x6099:1), and leaves it, or
-looks for the index, slowly (0x6099:2). Where the last move ends, the reference lies. A product makes its own
-table of these rows, those that it has, and of its own.
+looks for the index, slowly (0x6099:2). Where the last move ends, the reference lies. The standard draws where
+each method ends and in which direction it begins, not every move: here the switch is always sought first, and
+the edge is then approached slowly from the side that the index is sought to. A product makes its own table
+of these rows, those that it has, and of its own.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 from types import MappingProxyType
@@ -45,41 +47,60 @@ class HomingMove:
     speed: Address
     goal: Goal
     switch: Switch | None = None
+    turns_at: Switch | None = None
+    """The limit switch at which the move goes on the other way, where the switch lies behind its start."""
 
 
-def _to(switch: Switch, direction: int) -> HomingMove:
-    return HomingMove(direction, od.HOMING_SPEED_SWITCH, Goal.CLOSED, switch)
+def _at_edge(switch: Switch, first: int, *, far: bool, onto: bool, turns: bool) -> tuple[HomingMove, ...]:
+    """Return the moves from anywhere to one edge of a switch.
+
+    `first`: direction of the search, by its sign. `far`: the edge behind the switch, in that direction, not
+    the one before it. `onto`: the edge is passed towards the active side, not away from it. `turns`: the
+    search goes on the other way at the limit switch.
+    """
+    limit = (Switch.POSITIVE_LIMIT if first > 0 else Switch.NEGATIVE_LIMIT) if turns else None
+    off = first if far else -first
+    to = HomingMove(first, od.HOMING_SPEED_SWITCH, Goal.CLOSED, switch, limit)
+    leave = HomingMove(off, od.HOMING_SPEED_ZERO, Goal.OPEN, switch)
+    back = HomingMove(-off, od.HOMING_SPEED_ZERO, Goal.CLOSED, switch)
+    return (to, leave, back) if onto else (to, leave)
 
 
-def _off(switch: Switch, direction: int) -> HomingMove:
-    return HomingMove(direction, od.HOMING_SPEED_ZERO, Goal.OPEN, switch)
-
-
-_NEGATIVE: Final = Switch.NEGATIVE_LIMIT
-_POSITIVE: Final = Switch.POSITIVE_LIMIT
-_HOME: Final = Switch.HOME
 INDEX_BELOW: Final = HomingMove(-1, od.HOMING_SPEED_ZERO, Goal.INDEX)
 INDEX_ABOVE: Final = HomingMove(1, od.HOMING_SPEED_ZERO, Goal.INDEX)
 
 NOTHING_TO_DO: Final = 0
 """The method that needs no homing."""
 ACTUAL_POSITION: Final = 35
-"""The method that takes the actual position for home."""
+"""The method that takes the actual position for home; since CiA 402-2 v3 it is 37."""
+ACTUAL_POSITION_NEW: Final = 37
+WITHOUT_INDEX: Final = 16
+"""Added to the number of a method, 1 to 14, that ends at the index."""
 
-CIA_402: Final[Mapping[int, tuple[HomingMove, ...]]] = MappingProxyType(
-    {
-        NOTHING_TO_DO: (),
-        1: (_to(_NEGATIVE, -1), _off(_NEGATIVE, 1), INDEX_ABOVE),
-        2: (_to(_POSITIVE, 1), _off(_POSITIVE, -1), INDEX_BELOW),
-        7: (_to(_HOME, 1), _off(_HOME, -1), INDEX_BELOW),
-        11: (_to(_HOME, -1), _off(_HOME, 1), INDEX_ABOVE),
-        17: (_to(_NEGATIVE, -1), _off(_NEGATIVE, 1)),
-        18: (_to(_POSITIVE, 1), _off(_POSITIVE, -1)),
-        23: (_to(_HOME, 1), _off(_HOME, -1)),
-        27: (_to(_HOME, -1), _off(_HOME, 1)),
-        33: (INDEX_BELOW,),
-        34: (INDEX_ABOVE,),
-        ACTUAL_POSITION: (),
-    }
-)
-"""The moves of each method, one after the other; methods without a row are not described here."""
+
+def _edges() -> Iterator[tuple[int, tuple[HomingMove, ...]]]:
+    limits = (Switch.NEGATIVE_LIMIT, -1), (Switch.POSITIVE_LIMIT, 1)
+    for number, (switch, first) in enumerate(limits, 1):
+        yield number, _at_edge(switch, first, far=False, onto=False, turns=False)
+    # A home switch that is active from its edge to the end of the way: positive, then negative.
+    for number, first in ((3, 1), (5, -1)):
+        for onto in (False, True):
+            yield number + onto, _at_edge(Switch.HOME, first, far=False, onto=onto, turns=False)
+    # A home switch in the middle of the way: each of its two edges, from each side.
+    for number, first in ((7, 1), (11, -1)):
+        for place, (far, onto) in enumerate(((False, False), (False, True), (True, True), (True, False))):
+            yield number + place, _at_edge(Switch.HOME, first, far=far, onto=onto, turns=True)
+
+
+def _methods() -> Iterator[tuple[int, tuple[HomingMove, ...]]]:
+    yield NOTHING_TO_DO, ()
+    for number, moves in _edges():
+        yield number, (*moves, INDEX_ABOVE if moves[-1].direction > 0 else INDEX_BELOW)
+        yield number + WITHOUT_INDEX, moves
+    yield 33, (INDEX_BELOW,)
+    yield 34, (INDEX_ABOVE,)
+    yield from ((ACTUAL_POSITION, ()), (ACTUAL_POSITION_NEW, ()))
+
+
+CIA_402: Final[Mapping[int, tuple[HomingMove, ...]]] = MappingProxyType(dict(sorted(_methods())))
+"""The moves of each method, one after the other; 15, 16, 31, 32 and 36 are reserved."""

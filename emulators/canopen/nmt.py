@@ -17,6 +17,7 @@ class NodeService(Enum):
     SDO = "service data"
     PDO = "process data"
     SYNC = "synchronisation"
+    TIME = "time of day"
     EMERGENCY = "emergency"
     ERROR_CONTROL = "heartbeat and node guarding"
     LAYER_SETTING = "layer setting"

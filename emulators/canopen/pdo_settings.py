@@ -2,7 +2,7 @@
 
 Source: CiA 301 v4.02: a mapping changes only in Pre-Operational, with the PDO invalid and the number of
 entries 0; entries have the mapped object's own length; COB-IDs 0x181 to 0x57F. Where it is silent: COB-ID,
-transmission type and inhibit time may change in any state that has SDO; a valid PDO or a number of entries
+transmission type and times may change in any state that has SDO; a valid PDO or a number of entries
 that is not 0 refuses a new entry with 0x06010000.
 """
 
@@ -27,7 +27,7 @@ from firmware_bridge.canopen.pdo import (
     Layout,
     MappingEntry,
 )
-from firmware_bridge.units import MICROSECOND, Nanoseconds
+from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 
 FIRST_COB_ID: Final = 0x181
 LAST_COB_ID: Final = 0x57F
@@ -85,7 +85,6 @@ class PdoSettings:
         self._wrong_nmt_state = product.wrong_nmt_state
         self._cob_id = Address(direction.parameter + number, 1)
         self._type = Address(direction.parameter + number, 2)
-        self._inhibit = Address(direction.parameter + number, 3)
         self._count = Address(direction.mapping + number, 0)
         self._entries = store.objects.entries(direction.mapping + number)
         store.on_write(self._cob_id, self._take_cob_id)
@@ -93,9 +92,16 @@ class PdoSettings:
         store.on_write(self._count, self._take_count)
         for address in self._entries:
             store.on_write(address, partial(self._take_entry, address))
-        self._has_inhibit = self._inhibit in store.objects
-        if self._has_inhibit:
-            store.on_write(self._inhibit, lambda _: touched())
+        self._times = {
+            address: unit
+            for address, unit in (
+                (Address(direction.parameter + number, 3), INHIBIT_UNIT),
+                (Address(direction.parameter + number, 5), MILLISECOND),
+            )
+            if address in store.objects
+        }
+        for address in self._times:
+            store.on_write(address, lambda _: touched())
 
     # What the PDO is at present
 
@@ -122,7 +128,16 @@ class PdoSettings:
     @property
     def inhibit(self) -> Nanoseconds:
         """The least time between two messages."""
-        return self._store.get(self._inhibit) * INHIBIT_UNIT if self._has_inhibit else 0
+        return self._time(3)
+
+    @property
+    def event_timer(self) -> Nanoseconds:
+        """The time after which a transmit PDO is sent again, and a receive PDO is missed; 0 for never."""
+        return self._time(5)
+
+    def _time(self, subindex: int) -> Nanoseconds:
+        address = Address(self._type.index, subindex)
+        return self._store.get(address) * self._times[address] if address in self._times else 0
 
     def cells(self) -> tuple[Cell, ...]:
         """Return the mapped objects in their order."""

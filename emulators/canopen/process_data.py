@@ -1,8 +1,10 @@
 """Process data of one device: contents and instants of its PDOs, made ready once per change of settings.
 
-Source: CiA 301 v4.02, process data objects. Where it is silent: at a SYNC transmit PDOs are sampled before
-receive PDOs are taken over; a value that its object refuses is dropped and the PDO's other values count; a
-PDO without entries is silent; remote requests know no inhibit time.
+Source: CiA 301 v4.02, process data objects; v4.2 for the time-out of receive PDOs. Where it is silent: at a
+SYNC transmit PDOs are sampled before receive PDOs are taken over; a value that its object refuses is dropped
+and the PDO's other values count; a PDO without entries is silent; remote requests know no inhibit time; the
+first SYNC in Operational sends a PDO of type 0, and is the first of those that types 1 to 240 count; the
+event timer of a transmit PDO runs from the start on, a receive PDO's from its first message.
 """
 
 from collections.abc import Callable
@@ -11,14 +13,15 @@ from typing import Final, TypeAlias
 
 from emulators.canopen.object_store import ObjectStore
 from emulators.canopen.pdo_settings import RECEIVE, TRANSMIT, PdoSettings
-from emulators.canopen.product import ON_CHANGE, SYNCHRONOUS, Product
+from emulators.canopen.product import Product
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import SdoAbort
 from firmware_bridge.canopen.cia301 import NmtState
+from firmware_bridge.canopen.pdo import AT_SYNC_IF_CHANGED, EVENT_DRIVEN, SAMPLED_AT_SYNC, SYNCHRONOUS
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.can import REMOTE
 
-EVENT_DRIVEN: Final = frozenset({od.STATUSWORD, od.MODE_DISPLAY})
+AWAKE: Final = frozenset({od.STATUSWORD, od.MODE_DISPLAY})
 """Objects that change only when the device is awake; every other one moves by itself."""
 
 
@@ -29,14 +32,20 @@ class ReceivePdo:
         layout = settings.layout()
         self.address = settings.cob_id
         self.size = layout.size
-        self.synchronous = settings.transmission == SYNCHRONOUS
+        self.synchronous = settings.transmission in SYNCHRONOUS
+        self._timeout = settings.event_timer
+        self.timed = self._timeout > 0
+        self.due: Nanoseconds = NEVER
+        """Time at which it is missed."""
         self._longest = 8 if accepts_long else layout.size
         self._unpack = layout.unpack
         self._accepts = tuple(cell.accept for cell in settings.cells())
         self._pending: tuple[int, ...] = ()
 
-    def take(self, payload: bytes) -> None:
+    def take(self, payload: bytes, now: Nanoseconds) -> None:
         """Take a payload that is long enough; a synchronous PDO keeps it until the next SYNC."""
+        if self.timed:
+            self.due = now + self._timeout
         if len(payload) > self._longest:
             return
         values = self._unpack(payload)
@@ -53,8 +62,9 @@ class ReceivePdo:
             self._apply(values)
 
     def forget(self) -> None:
-        """Drop what waits for SYNC."""
+        """Drop what waits for SYNC, and miss nothing."""
         self._pending = ()
+        self.due = NEVER
 
     def _apply(self, values: tuple[int, ...]) -> None:
         for place, accept in enumerate(self._accepts):
@@ -71,10 +81,18 @@ class TransmitPdo:
         cells = settings.cells()
         self.address = settings.cob_id
         self.answers_remote = settings.answers_remote
-        self.synchronous = settings.transmission == SYNCHRONOUS
-        self.on_change = settings.transmission == ON_CHANGE
+        self.synchronous = settings.transmission in SYNCHRONOUS or settings.transmission == SAMPLED_AT_SYNC
+        self.on_change = settings.transmission in EVENT_DRIVEN
+        self._type = settings.transmission
+        self._syncs = 0
+        """SYNCs until the next message, of types 1 to 240."""
+        self._sample: bytes | None = None
+        """What type 252 sends: the values of the last SYNC."""
         self._inhibit = settings.inhibit
-        self._moving = any(cell.row.address not in EVENT_DRIVEN for cell in cells)
+        self._period = settings.event_timer
+        self._event: Nanoseconds = NEVER
+        """Time at which the event timer has passed."""
+        self._moving = any(cell.row.address not in AWAKE for cell in cells)
         # Such values raise no event: they are compared at intervals, no shorter than they may be sent.
         self._poll = max(poll, self._inhibit) if self._moving else NEVER
         self._pack = settings.layout().pack
@@ -94,13 +112,31 @@ class TransmitPdo:
         self._last = None if sends else self.payload()
         self._known = -1
         self._allowed = 0
+        self._event = NEVER
+        self._syncs = 1
+        self._sample = None
 
     def rest(self) -> None:
         """Leave Operational."""
         self.due = NEVER
 
+    def sync(self) -> bytes | None:
+        """Return what leaves at this SYNC, if anything does."""
+        if self._type == SAMPLED_AT_SYNC:
+            self._sample = self.payload()
+            return None
+        if self._type == AT_SYNC_IF_CHANGED:
+            payload = self.payload()
+            changed, self._last = payload != self._last, payload
+            return payload if changed else None
+        self._syncs -= 1
+        if self._syncs:
+            return None
+        self._syncs = self._type
+        return self.payload()
+
     def look(self, now: Nanoseconds, changes: int) -> bytes | None:
-        """Return the payload if it has changed and the inhibit time is over; `due`: when to look again.
+        """Return the payload if it is to be sent and the inhibit time is over; `due`: when to look again.
 
         `changes` is the store's count of them.
         """
@@ -109,22 +145,28 @@ class TransmitPdo:
             return None
         if not self._moving:
             self._known = changes
+        if self._period and self._event == NEVER:
+            self._event = now + self._period
         payload = self.payload()
-        if payload != self._last:
+        if payload != self._last or now >= self._event:
             if now < self._allowed:
                 # Inhibited: what is sent then are the values of that instant, not these.
                 self.due = self._allowed
                 return None
             self._last = payload
             self._allowed = now + self._inhibit
-            self.due = NEVER if self._poll == NEVER else now + self._poll
+            self._event = now + self._period if self._period else NEVER
+            self.due = self._next(now)
             return payload
-        self.due = NEVER if self._poll == NEVER else now + self._poll
+        self.due = self._next(now)
         return None
 
+    def _next(self, now: Nanoseconds) -> Nanoseconds:
+        return min(self._event, NEVER if self._poll == NEVER else now + self._poll)
+
     def requested(self) -> bytes:
-        """Return the payload for a remote request; a PDO on change has then sent it."""
-        self._last = self.payload()
+        """Return the payload for a remote request; an event-driven PDO has then sent it."""
+        self._last = self.payload() if self._sample is None else self._sample
         return self._last
 
 
@@ -156,6 +198,7 @@ class ProcessData:
         """True if some receive PDO takes effect at SYNC."""
         self._at_sync: tuple[TransmitPdo, ...] = ()
         self._on_change: tuple[TransmitPdo, ...] = ()
+        self._timed: tuple[ReceivePdo, ...] = ()
         self.touch_all()
         self.renew()
 
@@ -182,6 +225,7 @@ class ProcessData:
         self.waits_for_sync = any(pdo.synchronous for pdo in self.receive)
         self._at_sync = tuple(pdo for pdo in self.transmit if pdo.synchronous)
         self._on_change = tuple(pdo for pdo in self.transmit if pdo.on_change)
+        self._timed = tuple(pdo for pdo in self.receive if pdo.timed)
         return True
 
     def _receiver(self, settings: PdoSettings) -> ReceivePdo | None:
@@ -232,7 +276,7 @@ class ProcessData:
 
     def sync(self) -> list[tuple[int, bytes]]:
         """Return what leaves at SYNC; then take over what waited for it."""
-        sent = [(pdo.address, pdo.payload()) for pdo in self._at_sync]
+        sent = [(pdo.address, it) for pdo in self._at_sync if (it := pdo.sync()) is not None]
         for pdo in self.receive:
             if pdo.synchronous:
                 pdo.sync()
@@ -248,10 +292,19 @@ class ProcessData:
                 sent.append((pdo.address, payload))
         return sent
 
+    def missed(self, now: Nanoseconds) -> bool:
+        """Return whether a receive PDO has just been missed; each time is reported once."""
+        late = [pdo for pdo in self._timed if pdo.due <= now]
+        for pdo in late:
+            pdo.due = NEVER
+        return bool(late)
+
     @property
     def due(self) -> Nanoseconds:
-        """Return when to look for changes again even if nothing happens."""
+        """Return when to look for changes again, or to miss a message, even if nothing happens."""
         due = NEVER
         for pdo in self._on_change:
             due = min(due, pdo.due)
+        for received in self._timed:
+            due = min(due, received.due)
         return due

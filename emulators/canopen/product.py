@@ -12,11 +12,9 @@ from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.emergency import Emergency
 from firmware_bridge.canopen.object_row import ObjectRow
+from firmware_bridge.canopen.pdo import RECEIVE_TYPES, TRANSMIT_TYPES
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
-SYNCHRONOUS: Final = 1
-ON_REQUEST: Final = 253
-ON_CHANGE: Final = 255
 RESTORE_ALL: Final = Address(0x1011, 1)
 
 
@@ -55,9 +53,9 @@ class Product:
     heartbeat_toggles: bool = False
     """True if bit 7 of the heartbeat changes each time."""
 
-    receive_types: frozenset[int] = frozenset({SYNCHRONOUS, ON_CHANGE})
+    receive_types: frozenset[int] = RECEIVE_TYPES
     """Transmission types of receive PDOs."""
-    transmit_types: frozenset[int] = frozenset({SYNCHRONOUS, ON_CHANGE})
+    transmit_types: frozenset[int] = TRANSMIT_TYPES
     """Transmission types of transmit PDOs."""
     wrong_nmt_state: AbortCode = AbortCode.DEVICE_STATE
     """Answer to a new mapping outside Pre-Operational."""
@@ -66,9 +64,9 @@ class Product:
     accepts_long_pdo: bool = True
     """True if a receive PDO with more bytes than mapped is accepted; its other bytes do not count."""
     sends_on_start: bool = True
-    """True if a transmit PDO on change is sent once on entering Operational."""
+    """True if an event-driven transmit PDO is sent once on entering Operational."""
     poll: Nanoseconds = MILLISECOND
-    """Least interval at which a transmit PDO on change checks values that move by themselves."""
+    """Least interval at which an event-driven transmit PDO checks values that move by themselves."""
 
     boot_time: Nanoseconds = 0
     """Time from power-on or reset to the boot-up message."""

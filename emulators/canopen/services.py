@@ -8,6 +8,7 @@ from functools import partial
 from typing import Final
 
 from emulators.canopen.application import Application
+from emulators.canopen.broadcasts import Broadcasts
 from emulators.canopen.bus_errors import REPORTS, BusError, errors_in
 from emulators.canopen.emergency_producer import EmergencyProducer
 from emulators.canopen.heartbeat import ErrorControl
@@ -25,7 +26,7 @@ from firmware_bridge.wire.can import REMOTE
 
 
 class Services:
-    """SDO server, PDOs, SYNC, emergency and error control of one device, with its application behind them."""
+    """SDO server, PDOs, SYNC, TIME, emergency and error control, with the application behind them."""
 
     def __init__(
         self,
@@ -49,6 +50,7 @@ class Services:
         """The network state."""
         self.emergency: Final = EmergencyProducer(store, product)
         self._sdo = SdoServer(store)
+        self.broadcasts: Final = Broadcasts(store)
         self.errors: Final = ErrorControl(store, toggles=product.heartbeat_toggles)
         self.pdo: Final = ProcessData(store, product, lambda: self.state)
 
@@ -85,8 +87,8 @@ class Services:
         if errors.producer.due <= now:
             heartbeat = errors.producer.produce(self.state, now)
             self._send(cia301.ERROR_CONTROL + self._identity.node, heartbeat)
-        # Not `or`: both must be called, or a change in error control would wait for the next time.
-        others = pdo.renew() | errors.renew()
+        # Not `or`: each must be called, or a change in error control would wait for the next time.
+        others = pdo.renew() | errors.renew() | self.broadcasts.renew()
         if self.state is NmtState.OPERATIONAL:
             for address, payload in pdo.changes(now):
                 self._send(address, payload)
@@ -103,7 +105,9 @@ class Services:
             for watched in sorted(self.errors.watched):
                 routes[cia301.ERROR_CONTROL + watched] = partial(self._receive_heartbeat, watched)
         if NodeService.SYNC in services:
-            routes[cia301.SYNC] = self._receive_sync
+            routes[self.broadcasts.sync] = self._receive_sync
+        if NodeService.TIME in services and self.broadcasts.time is not None:
+            routes[self.broadcasts.time] = self.broadcasts.set_time
         if NodeService.SDO in services:
             routes[cia301.SDO_REQUEST + node] = self._receive_sdo
         return routes | {report: partial(self._receive_controller, report) for report in REPORTS}
@@ -118,11 +122,14 @@ class Services:
 
     def _receive_pdo(self, sharing: tuple[ReceivePdo, ...], payload: bytes, now: Nanoseconds) -> None:
         for pdo in sharing:
+            if pdo.due < now:
+                # On a real bus a wake may be late: a message after its time must not hide that it was missed.
+                self.watch(now - 1)
             if len(payload) < pdo.size:
                 # EMCY 8210: nothing of the frame is taken, also no controlword that was complete.
                 self.find(BusError.PDO_TOO_SHORT)
             else:
-                pdo.take(payload)
+                pdo.take(payload, now)
         self._application.refresh(now)
 
     def _receive_sync(self, _payload: bytes, now: Nanoseconds) -> None:
@@ -147,6 +154,8 @@ class Services:
         """Check that the other nodes' messages were received in time."""
         if self.errors.lost(until):
             self._application.connection_lost()
+        if self.pdo.missed(until):
+            self.find(BusError.PDO_MISSED)
 
     def _receive_heartbeat(self, node: int, payload: bytes, now: Nanoseconds) -> None:
         # On a real bus a wake may be late: a heartbeat after its deadline must not hide the silence.

@@ -5,6 +5,7 @@ and who carries its frames. It ignores every frame that no service of its number
 extended identifiers, remote requests to identifiers that have none.
 """
 
+from datetime import datetime
 from typing import Final
 
 from emulators.canopen.application import Application
@@ -157,6 +158,10 @@ class CanopenSlave:
         """Record an error of the application, or with code 0 the end of all, and send it on the bus."""
         self._services.report(code)
 
+    def time_of_day(self, now: Nanoseconds) -> datetime | None:
+        """Return the time of day that TIME has given; None before the first."""
+        return self._services.broadcasts.time_of_day(now)
+
     def synchronize(self, now: Nanoseconds) -> None:
         """Take the time of a SYNC; a product that keeps it overrides this."""
 
@@ -172,6 +177,7 @@ class CanopenSlave:
         if command is NmtCommand.RESET_NODE:
             self._identity.restart(self.store, self._memory, self._lss)
             services.emergency.reset()
+            services.broadcasts.forget()
             self._application.reset()
         else:
             # Reset communication concerns 0x1000 to 0x1FFF (CiA 301): the application goes on as it does.

@@ -224,15 +224,21 @@ def towards(state: PowerState | None, wanted: PowerState) -> ControlwordCommand 
 
 
 class Mode(IntEnum):
-    """Modes of operation, 0x6060."""
+    """Modes of operation of the standard, 0x6060; those of makers are negative."""
 
-    INTERPOLATED_POSITION = 7
-    HOMING = 6
-    PROFILE_VELOCITY = 3
+    NONE = 0
     PROFILE_POSITION = 1
-    POSITION = -1
-    VELOCITY = -2
-    CURRENT = -3
-    DIAGNOSTIC = -4
-    MASTER_ENCODER = -5
-    STEP_DIRECTION = -6
+    VELOCITY = 2
+    PROFILE_VELOCITY = 3
+    PROFILE_TORQUE = 4
+    HOMING = 6
+    INTERPOLATED_POSITION = 7
+    CYCLIC_POSITION = 8
+    CYCLIC_VELOCITY = 9
+    CYCLIC_TORQUE = 10
+    CYCLIC_TORQUE_WITH_ANGLE = 11
+
+    @property
+    def supported_bit(self) -> int:
+        """The bit of 0x6502; 0 for no mode."""
+        return 1 << self - 1 if self else 0

@@ -20,6 +20,22 @@ MOST_PDOS: Final = 512
 MAX_ENTRIES: Final = 8
 MAX_BITS: Final = 64
 
+AT_SYNC_IF_CHANGED: Final = 0
+EVERY_SYNC: Final = 1
+SYNCHRONOUS: Final = range(241)
+"""Transmission types that wait for SYNC: 0 for an event, 1 to 240 for that many of them."""
+SAMPLED_AT_SYNC: Final = 252
+"""Sent on request, with the values of the last SYNC."""
+ON_REQUEST: Final = 253
+ON_EVENT: Final = 254
+"""Events are the maker's."""
+ON_CHANGE: Final = 255
+"""Events are the device profile's."""
+EVENT_DRIVEN: Final = (ON_EVENT, ON_CHANGE)
+RECEIVE_TYPES: Final = frozenset({*SYNCHRONOUS, *EVENT_DRIVEN})
+TRANSMIT_TYPES: Final = RECEIVE_TYPES | {SAMPLED_AT_SYNC, ON_REQUEST}
+"""Transmission types of CiA 301; 241 to 251 are reserved."""
+
 _STRUCT_CODE: Final = {
     DataType.INTEGER8: "b",
     DataType.INTEGER16: "h",

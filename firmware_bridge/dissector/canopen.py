@@ -14,6 +14,7 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.lss import LssCommand
 from firmware_bridge.canopen.pdo import TRANSMIT_MAPPING
+from firmware_bridge.canopen.time_of_day import decode_time
 from firmware_bridge.dissector.dictionary import NOTHING, dictionaries
 from firmware_bridge.dissector.nodes import Nodes
 from firmware_bridge.packet import Packet
@@ -136,9 +137,10 @@ class Canopen:
         register = ", ".join(self._nodes.of(node).words(od.ERROR_REGISTER, decoded.register, None))
         return f"EMCY node {node}: {cause}; error register 0x{decoded.register:02X} ({register})"
 
-    def time_stamp(self, _node: int, _payload: bytes) -> str:
-        """Read a time stamp."""
-        return "TIME"
+    def time_stamp(self, _node: int, payload: bytes) -> str:
+        """Read the time of day."""
+        time = decode_time(payload)
+        return "TIME" if time is None else f"TIME {time.isoformat(' ', 'milliseconds')}"
 
     def sdo_request(self, node: int, payload: bytes) -> str:
         """Decode a client's request to a node."""

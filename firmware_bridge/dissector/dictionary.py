@@ -2,11 +2,11 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from enum import IntEnum
 from functools import cache
 from typing import Final
 
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.family import families
 
@@ -25,9 +25,9 @@ class Dictionary:
     decode: Callable[[Address, bytes], int | str]
     """Return a number, text, or bytes in hexadecimal."""
     unit_of: Callable[[Address], str]
-    mode_of: Callable[[int], Mode | None]
+    mode_of: Callable[[int], IntEnum | None]
     """Return the mode of a value of 0x6060."""
-    words: Callable[[Address, int | str, Mode | None], tuple[str, ...]]
+    words: Callable[[Address, int | str, IntEnum | None], tuple[str, ...]]
     """Return what the bits of a value stand for, in a mode."""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.canopen.cia402 import Mode, PowerState
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.families.epos2.guard.axis import GuardedAxis
 from firmware_bridge.families.epos2.guard.words import (
     DISABLE_VOLTAGE,
@@ -16,6 +16,7 @@ from firmware_bridge.families.epos2.guard.words import (
     GuardedSetPoint,
 )
 from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.units import MILLISECOND
 from hil_tests.safety.guard_robots import RARS
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import pytest
 
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.families.epos2.guard.words import (
     DISABLE_VOLTAGE,
     ENABLE,
@@ -17,6 +16,7 @@ from firmware_bridge.families.epos2.guard.words import (
 )
 from firmware_bridge.families.epos2.guard.zeroing import Zeroing, by_file
 from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.modes import Mode
 from hil_tests.safety.guard_robots import RARS
 from hil_tests.scenarios.homed import LIFT, homed
 

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Final
 
 from emulators.canopen.bus_errors import CIA_301_CODES, BusError
-from emulators.canopen.product import ON_CHANGE, ON_REQUEST, SYNCHRONOUS, LayerSetting, Product
+from emulators.canopen.product import LayerSetting, Product
 from emulators.epos2.objects.device_profile import (
     BIT_RATE,
     BIT_RATE_IN_USE,
@@ -22,6 +22,7 @@ from emulators.epos2.objects.device_profile import (
 )
 from emulators.epos2.objects.parameters import RESTORE_COMMANDS, is_parameter
 from firmware_bridge.canopen.abort import AbortCode
+from firmware_bridge.canopen.pdo import EVERY_SYNC, ON_CHANGE, ON_REQUEST
 from firmware_bridge.families.epos2.wire import emergency
 
 POWER_STAGE: Final = 1 << 4
@@ -55,8 +56,8 @@ def product_of(profile: DeviceProfile) -> Product:
         bus_errors=BUS_ERRORS,
         reports_reset=profile.reports_reset,
         heartbeat_toggles=profile.heartbeat_toggles,
-        receive_types=frozenset({SYNCHRONOUS, ON_CHANGE}),
-        transmit_types=frozenset({SYNCHRONOUS, ON_REQUEST, ON_CHANGE}),
+        receive_types=frozenset({EVERY_SYNC, ON_CHANGE}),
+        transmit_types=frozenset({EVERY_SYNC, ON_REQUEST, ON_CHANGE}),
         wrong_nmt_state=AbortCode.WRONG_NMT_STATE,
         mapping_needs_invalid_pdo=profile.mapping_needs_invalid_pdo,
         accepts_long_pdo=profile.accepts_long_pdo,

@@ -18,8 +18,8 @@ from emulators.servo.axis import ServoAxis
 from emulators.servo.sensors import hall_pattern
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.modes import Mode
 
 CONTROLLER_STRUCTURE: Final = Address(0x2220)
 HALL_PATTERN: Final = Address(0x2022)

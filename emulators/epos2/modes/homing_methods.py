@@ -1,11 +1,13 @@
 """The EPOS2's homing methods: those of CiA 402 that it has, and maxon's own with a mechanical stop.
 
 Source: EPOS Firmware Specification, homing mode (by analogy). A stop is met where the current is beyond
-0x2080. The switches are functions of input pins, whose numbers are those of the bits of 0x60FD. Assumed:
-with method 0 the position counts as referenced where it is.
+0x2080. The switches are functions of input pins, whose numbers are those of the bits of 0x60FD. No search
+turns at a limit switch, which is a fault there. Assumed: with method 0 the position counts as referenced
+where it is.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
@@ -21,7 +23,10 @@ METHODS: Final[Mapping[int, tuple[HomingMove, ...]]] = MappingProxyType(
         -3: (_STOP_ABOVE,),
         -2: (_STOP_BELOW, INDEX_ABOVE),
         -1: (_STOP_ABOVE, INDEX_BELOW),
-        **{number: CIA_402[number] for number in (0, 1, 2, 7, 11, 17, 18, 23, 27, 33, 34, 35)},
+        **{
+            number: tuple(replace(move, turns_at=None) for move in CIA_402[number])
+            for number in (0, 1, 2, 7, 11, 17, 18, 23, 27, 33, 34, 35)
+        },
     }
 )
 """The moves of each method, one after the other."""

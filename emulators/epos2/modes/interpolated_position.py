@@ -21,8 +21,9 @@ from emulators.servo.axis import SPLINE
 from emulators.servo.scaling import speed_units
 from emulators.servo.spline import Knot, SplineSegment
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.canopen.cia402 import ControlwordBit, Mode, Status
+from firmware_bridge.canopen.cia402 import ControlwordBit, Status
 from firmware_bridge.families.epos2.wire import emergency
+from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.families.epos2.wire.pvt import PvtRecord
 
 _ENABLE: Final = int(ControlwordBit.ENABLE_INTERPOLATION)

@@ -19,8 +19,9 @@ from emulators.epos2.modes.profile_velocity import ProfileVelocity
 from emulators.epos2.modes.shaft import Shaft
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import ControlwordBit, Mode
+from firmware_bridge.canopen.cia402 import ControlwordBit
 from firmware_bridge.canopen.emergency import NO_ERROR
+from firmware_bridge.families.epos2.wire.modes import Mode
 
 MODES: Final[Mapping[int, type[ModeOfOperation]]] = MappingProxyType(
     {

@@ -9,8 +9,9 @@ from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.epos2.single import DrivesOrder, drives
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import Mode, PowerState
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from fmu.build import ensure
 from fmu.single_axis.parameters import SETS

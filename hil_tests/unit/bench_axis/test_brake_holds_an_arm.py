@@ -6,8 +6,9 @@ import pytest
 
 from emulators.epos2.io.holding_brake import FALL_TIME, RISE_TIME
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.canopen.cia402 import Mode, PowerState
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.families.epos2.wire.functions import OUTPUT_PINS, OutputFunction
+from firmware_bridge.families.epos2.wire.modes import Mode
 from hil_tests.unit.bench_axis.axis_bench import GEAR, AxisBench
 
 ARM: Final = {"unbalance": 10.0, "stop_low": -10.0, "stop_high": 10.0, "backlash": 0.0}

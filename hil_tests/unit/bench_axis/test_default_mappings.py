@@ -13,8 +13,8 @@ from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.servo import kernel
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.rows import every
 from hil_tests.unit.bench_axis.axis_on_bus import AxisOnBus

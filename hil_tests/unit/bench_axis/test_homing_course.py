@@ -6,9 +6,10 @@ from emulators.epos2.modes.homing_methods import METHODS
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import Mode, PowerState
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.families.epos2.wire.functions import INPUT_EXECUTION, INPUT_PINS
+from firmware_bridge.families.epos2.wire.modes import Mode
 from hil_tests.rows import every
 from hil_tests.unit.bench_axis.axis_bench import ENABLED, GEAR, START, TURN, AxisBench
 

@@ -8,9 +8,10 @@ from hypothesis import strategies as st
 
 from emulators.epos2.modes.homing_methods import METHODS
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.canopen.cia402 import Mode, PowerState
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.families.epos2.wire.functions import INPUT_EXECUTION
+from firmware_bridge.families.epos2.wire.modes import Mode
 from hil_tests.lanes import examples
 from hil_tests.unit.bench_axis.axis_bench import (
     GEAR,

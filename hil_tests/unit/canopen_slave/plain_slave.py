@@ -33,9 +33,11 @@ DICTIONARY: Final = ObjectDictionary(
         row(0x1000, 0, U32, RO, 0x0002_0192),
         row(0x1001, 0, U8, RO),
         row(0x1003, 0, U8, RW),
+        row(0x1005, 0, U32, RW, 0x80),
         *(row(0x1003, sub, U32, RO) for sub in (1, 2)),
         row(0x1010, 1, U32, RW),
         row(0x1011, 1, U32, RW),
+        row(0x1012, 0, U32, RW, 0x8000_0100),
         row(0x1014, 0, U32, RW, 0x80 + NODE),
         row(0x1016, 0, U8, RO, 3),
         *(row(0x1016, sub, U32, RW) for sub in (1, 2, 3)),
@@ -43,10 +45,13 @@ DICTIONARY: Final = ObjectDictionary(
         *(row(0x1018, sub, U32, RO, sub) for sub in (1, 2, 3, 4)),
         row(0x1400, 1, U32, RW, 0x200 + NODE),
         row(0x1400, 2, U8, RW, 255),
+        row(0x1400, 5, U16, RW),
         row(0x1600, 0, U8, RW, 1),
         *(row(0x1600, sub, U32, RW, default) for sub, default in ((1, 0x6040_0010), (2, 0))),
         row(0x1800, 1, U32, RW, 0x4000_0180 + NODE),
         row(0x1800, 2, U8, RW, 255),
+        row(0x1800, 3, U16, RW),
+        row(0x1800, 5, U16, RW),
         row(0x1A00, 0, U8, RW, 1),
         *(row(0x1A00, sub, U32, RW, default) for sub, default in ((1, 0x6041_0010), (2, 0))),
         row(0x5000, 0, U8, RW, 1),
@@ -66,7 +71,10 @@ PRODUCT: Final = Product(
     ),
     is_parameter=lambda it: it.access.writable and it.address.index not in {0x1003, 0x1010, 0x1011, 0x6040},
     emergencies=MappingProxyType(
-        {0x8210: Emergency(0x8210, RegisterBit.COMMUNICATION, FaultReaction.NONE, "PDO too short")}
+        {
+            code: Emergency(code, RegisterBit.COMMUNICATION, FaultReaction.NONE, title)
+            for code, title in ((0x8210, "PDO too short"), (0x8250, "PDO not received in time"))
+        }
     ),
 )
 

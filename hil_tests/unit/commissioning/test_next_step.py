@@ -5,10 +5,11 @@ import re
 import pytest
 
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.canopen.cia402 import Mode, PowerState, Status
+from firmware_bridge.canopen.cia402 import PowerState, Status
 from firmware_bridge.families.epos2.commissioning.can_access import CanAccess
 from firmware_bridge.families.epos2.commissioning.next_step import BY_EDGE, BY_MODE, BY_STATE, next_step
 from firmware_bridge.families.epos2.commissioning.overview import Overview
+from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.units import MILLISECOND
 from hil_tests.unit.commissioning.rig import NEAR, Rig
 from hil_tests.unit.commissioning.test_state_and_network import TO, brought, power, written

@@ -5,7 +5,7 @@ import pytest
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
-from firmware_bridge.canopen.cia402 import Mode, PowerState
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.families.epos2.commissioning.can_access import CanAccess
 from firmware_bridge.families.epos2.commissioning.client import Ask, CommissioningError, Script, need
 from firmware_bridge.families.epos2.commissioning.job import SilentError, WriteJob
@@ -14,6 +14,7 @@ from firmware_bridge.families.epos2.commissioning.overview import Overview
 from firmware_bridge.families.epos2.commissioning.power import PROCEDURES, PowerCommand, Wanted
 from firmware_bridge.families.epos2.commissioning.serial_access import SerialAccess
 from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.families.epos2.wire.power_states import state_of
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.families.epos2.commissioning.client import CommissioningError
 from firmware_bridge.families.epos2.commissioning.motion import why_it_may_move
@@ -18,6 +17,7 @@ from firmware_bridge.families.epos2.commissioning.words import words
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.families.epos2.wire.differences import objects_of
 from firmware_bridge.families.epos2.wire.emergency import EMERGENCIES
+from firmware_bridge.families.epos2.wire.modes import Mode
 from hil_tests.lanes import examples
 from hil_tests.rows import every
 

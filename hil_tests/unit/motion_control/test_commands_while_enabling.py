@@ -9,8 +9,9 @@ from emulators.epos2.control.power_states import BRUSHED_DC
 from emulators.epos2.modes.interpolation_buffer import BUFFER_CLEAR
 from emulators.epos2.objects.device_profile import BUFFER_SIZE
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.canopen.cia402 import Mode, PowerState
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.modes import Mode
 from hil_tests.rows import every
 from hil_tests.unit.motion_control.conftest import ENABLE, SHUTDOWN, SWITCH_ON, Drive, make_drive
 from hil_tests.unit.motion_control.interpolated_position.conftest import feed

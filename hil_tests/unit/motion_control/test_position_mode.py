@@ -6,8 +6,9 @@ import pytest
 
 from emulators.epos2.modes.mode_selector import MODES
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.canopen.cia402 import Mode, PowerState
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.modes import Mode
 from hil_tests.unit.motion_control.conftest import make_drive
 
 if TYPE_CHECKING:

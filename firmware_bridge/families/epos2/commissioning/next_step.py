@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from firmware_bridge.canopen.cia402 import ControlwordBit, Mode, PowerState, Status
+from firmware_bridge.canopen.cia402 import ControlwordBit, PowerState, Status
+from firmware_bridge.families.epos2.wire.modes import Mode
 
 BY_STATE: Final[Mapping[PowerState, str]] = MappingProxyType(
     {

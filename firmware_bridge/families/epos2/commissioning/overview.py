@@ -5,10 +5,11 @@ from typing import Final
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtState
-from firmware_bridge.canopen.cia402 import Mode, PowerState, Status
+from firmware_bridge.canopen.cia402 import PowerState, Status
 from firmware_bridge.families.epos2.commissioning.client import Do, Script
 from firmware_bridge.families.epos2.commissioning.next_step import next_step
 from firmware_bridge.families.epos2.commissioning.reading import Reading
+from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.families.epos2.wire.power_states import state_of
 
 STANDING: Final = (

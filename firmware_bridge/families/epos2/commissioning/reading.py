@@ -6,11 +6,11 @@ from typing import Final
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.families.epos2.commissioning.client import Ask, Do, Script, Wait
 from firmware_bridge.families.epos2.commissioning.job import JobError, Outcome, ReadJob
 from firmware_bridge.families.epos2.commissioning.values import decode
 from firmware_bridge.families.epos2.commissioning.words import BY_MODE, mode_of
+from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.units import Nanoseconds
 
 

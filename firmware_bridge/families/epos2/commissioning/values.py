@@ -11,12 +11,12 @@ from typing import Final
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.families.epos2.commissioning.client import CommissioningError
 from firmware_bridge.families.epos2.commissioning.names import called, squashed
 from firmware_bridge.families.epos2.wire.differences import ANY_TYPE
+from firmware_bridge.families.epos2.wire.modes import Mode
 
 LONGEST_WRITE: Final = 4
 """Most bytes that are written in one go on every link."""

@@ -5,14 +5,16 @@ that are the maker's own.
 """
 
 from collections.abc import Callable, Mapping
+from enum import IntEnum
 from types import MappingProxyType
 from typing import Final, TypeAlias
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import ControlwordBit, Mode, Status, command_of
+from firmware_bridge.canopen.cia402 import ControlwordBit, Status, command_of
 from firmware_bridge.canopen.emergency import NO_ERROR, RegisterBit
 from firmware_bridge.families.epos2.wire.emergency import EMERGENCIES
+from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.families.epos2.wire.power_states import state_of
 
 Words: TypeAlias = tuple[str, ...]
@@ -24,18 +26,18 @@ _BITS: Final[Mapping[int, str]] = {
     Status.INTERNAL_LIMIT: "current limited (I2t)",
     Status.REFERENCED: "position referenced to home",
 }
-_BIT_12: Final = {
+_BIT_12: Final[Mapping[IntEnum, str]] = {
     Mode.PROFILE_POSITION: "set-point acknowledged",
     Mode.PROFILE_VELOCITY: "speed is zero",
     Mode.HOMING: "homing attained",
     Mode.INTERPOLATED_POSITION: "interpolation active",
 }
-_BIT_13: Final = {
+_BIT_13: Final[Mapping[IntEnum, str]] = {
     Mode.PROFILE_POSITION: "following error",
     Mode.POSITION: "following error",
     Mode.HOMING: "homing error",
 }
-_CONTROL: Final[Mapping[Mode, Mapping[int, str]]] = {
+_CONTROL: Final[Mapping[IntEnum, Mapping[int, str]]] = {
     Mode.PROFILE_POSITION: {
         ControlwordBit.NEW_SETPOINT: "new set-point",
         ControlwordBit.CHANGE_IMMEDIATELY: "change immediately",
@@ -64,12 +66,12 @@ def mode_of(value: int) -> Mode | None:
     return Mode(value) if value in set(Mode) else None
 
 
-def title(mode: Mode | None) -> str:
+def title(mode: IntEnum | None) -> str:
     """Return a mode's name for people."""
     return "no mode of the EPOS2" if mode is None else mode.name.lower().replace("_", " ")
 
 
-def _statusword(value: int, mode: Mode | None) -> Words:
+def _statusword(value: int, mode: IntEnum | None) -> Words:
     state = state_of(value)
     decoded = ["no state of the drive" if state is None else state.title]
     decoded += [text for bit, text in _BITS.items() if value & bit]
@@ -80,7 +82,7 @@ def _statusword(value: int, mode: Mode | None) -> Words:
     return tuple(decoded)
 
 
-def _controlword(value: int, mode: Mode | None) -> Words:
+def _controlword(value: int, mode: IntEnum | None) -> Words:
     decoded = [command_of(value).value]
     if value & ControlwordBit.FAULT_RESET:
         decoded.append("fault reset")
@@ -90,11 +92,11 @@ def _controlword(value: int, mode: Mode | None) -> Words:
     return (*decoded, *(text for bit, text in by_mode.items() if value & bit))
 
 
-def _register(value: int, _mode: Mode | None) -> Words:
+def _register(value: int, _mode: IntEnum | None) -> Words:
     return tuple(text for bit, text in _REGISTER.items() if value & bit) or ("no error",)
 
 
-def _error(value: int, _mode: Mode | None) -> Words:
+def _error(value: int, _mode: IntEnum | None) -> Words:
     code = value & _CODE_MASK
     if code == NO_ERROR:
         return ("no error",)
@@ -102,18 +104,18 @@ def _error(value: int, _mode: Mode | None) -> Words:
     return (f"0x{code:04X}", "unknown error" if known is None else known.cause)
 
 
-def _modes(value: int, _mode: Mode | None) -> Words:
+def _modes(value: int, _mode: IntEnum | None) -> Words:
     # 0x6502: bit 0 is mode 1; the maker's modes, from -1 down, begin at bit 16.
     standard = (mode_of(bit + 1) for bit in range(_STANDARD_MODES) if value >> bit & 1)
     maker = (mode_of(-1 - bit) for bit in range(_STANDARD_MODES) if value >> (_MAKER_MODES_FROM + bit) & 1)
     return tuple(title(mode) for mode in (*standard, *maker))
 
 
-def _mode(value: int, _mode: Mode | None) -> Words:
+def _mode(value: int, _mode: IntEnum | None) -> Words:
     return (title(mode_of(value)),)
 
 
-DECODED: Final[Mapping[Address, Callable[[int, Mode | None], Words]]] = MappingProxyType(
+DECODED: Final[Mapping[Address, Callable[[int, IntEnum | None], Words]]] = MappingProxyType(
     {
         od.STATUSWORD: _statusword,
         od.CONTROLWORD: _controlword,
@@ -129,7 +131,7 @@ BY_MODE: Final = frozenset({od.STATUSWORD, od.CONTROLWORD})
 """Those of them that need the mode."""
 
 
-def words(address: Address, value: int | str, mode: Mode | None = None) -> Words:
+def words(address: Address, value: int | str, mode: IntEnum | None = None) -> Words:
     """Return the decoded text of a value; nothing where the number itself is all that there is."""
     decode = DECODED.get(address)
     return () if decode is None or isinstance(value, str) else decode(value, mode)

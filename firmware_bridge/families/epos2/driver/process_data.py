@@ -12,13 +12,10 @@ from typing import Final
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.data_type import DataType
-from firmware_bridge.canopen.pdo import Layout
+from firmware_bridge.canopen.pdo import EVERY_SYNC, ON_CHANGE, Layout
 from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.robot import Axis, CommandForm
-
-SYNCHRONOUS: Final = 1
-ON_CHANGE: Final = 255
 
 SET_POINT: Final = {
     CommandForm.SPEED: Layout(
@@ -86,7 +83,7 @@ def pdos(axis: Axis) -> tuple[Pdo, ...]:
     if every_ms is not None:
         sent[POSITION_COB_ID] = POSITION
         inhibited[POSITION_COB_ID] = every_ms
-    timing = {SAMPLE_COB_ID: SYNCHRONOUS}
+    timing = {SAMPLE_COB_ID: EVERY_SYNC}
     return (
         *(
             Pdo(0x1400 + i, 0x1600 + i, cob_id, transmits=False, layout=received.get(cob_id))

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
-from firmware_bridge.canopen import cia402
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import DataType
@@ -17,6 +16,7 @@ from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2DigitalOutpu
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.families.epos2.wire.functions import OUTPUT_MASK, OUTPUT_PINS, OutputFunction
 from firmware_bridge.families.epos2.wire.hardware import alike
+from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.families.epos2.wire.rows import APPLICATION_NOTES, CIA_301, EDS, FIRMWARE_SPECIFICATION
 from firmware_bridge.robot import Axis, CommandForm, Output
 
@@ -35,8 +35,8 @@ TRAPEZOID: Final = 0
 INHIBIT_UNITS_PER_MS: Final = 10
 """Of 100 us each."""
 MODE: Final = {
-    CommandForm.SPEED: cia402.Mode.PROFILE_VELOCITY,
-    CommandForm.POSITION: cia402.Mode.PROFILE_POSITION,
+    CommandForm.SPEED: Mode.PROFILE_VELOCITY,
+    CommandForm.POSITION: Mode.PROFILE_POSITION,
 }
 _MAPPING_SOURCE: Final = f"{FIRMWARE_SPECIFICATION}; {CIA_301}"
 

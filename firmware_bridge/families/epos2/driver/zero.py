@@ -14,7 +14,7 @@ import math
 from typing import Final
 
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.canopen.cia402 import ControlwordBit, Mode, PowerState, Status
+from firmware_bridge.canopen.cia402 import ControlwordBit, PowerState, Status
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.sdo_client import Transfer
 from firmware_bridge.drivers.driver import StartupError
@@ -26,6 +26,7 @@ from firmware_bridge.families.epos2.driver.setup import MODE, SetupObject
 from firmware_bridge.families.epos2.driver.steps import controlled, expected, failing, pause, read, written
 from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.families.epos2.wire.rows import FIRMWARE_SPECIFICATION
 from firmware_bridge.robot import Axis, CommandForm
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds

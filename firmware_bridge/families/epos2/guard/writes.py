@@ -13,7 +13,6 @@ from typing import Final, TypeAlias
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.families.epos2.guard.bounds import ends_qc, highest_rpm
 from firmware_bridge.families.epos2.guard.words import ENABLE, HALT, START_HOMING, STOP_WORDS
@@ -22,6 +21,7 @@ from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2DigitalOutpu
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.families.epos2.wire import functions
 from firmware_bridge.families.epos2.wire.functions import OutputFunction
+from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.robot import AnyRobot, Axis, CommandForm, Output
 
 I8: Final = DataType.INTEGER8

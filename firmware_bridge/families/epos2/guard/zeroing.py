@@ -14,11 +14,11 @@ from typing import Final
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.families.epos2.guard.bounds import ends_qc, qc_per_unit, rpm_per_unit
 from firmware_bridge.families.epos2.guard.words import ENABLE, HALT, NEW_SET_POINT, START_HOMING
 from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.robot import Axis, CommandForm
 from firmware_bridge.safety.guard.wire_rules import ROUNDING
 

@@ -11,6 +11,7 @@ from firmware_bridge.canopen.data_type import Access, DataType
 from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.canopen.pdo import (
     MAX_ENTRIES,
+    ON_CHANGE,
     RECEIVE_MAPPING,
     RECEIVE_PARAMETER,
     TRANSMIT_MAPPING,
@@ -21,7 +22,6 @@ from firmware_bridge.families.epos2.wire.rows import count, row
 PDOS: Final = 4
 """Of each direction."""
 
-ON_CHANGE: Final = 0xFF
 INHIBIT: Final = 10
 """Units of 100 us."""
 
