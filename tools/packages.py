@@ -68,7 +68,7 @@ PACKAGES: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("drivers/*stop*", ("unit/bridge/*", "unit/drivers/*")),
     ("families/epos2/driver/*", ("unit/drivers/*", "unit/serial_drive/*")),
     ("canopen/sdo_client", ("unit/drivers/*", "unit/serial_drive/*")),
-    ("drivers/request_line", ("unit/drivers/test_request_line",)),
+    ("drivers/request_line", ("unit/drivers/test_request_line*",)),
     ("drivers/*", ("unit/drivers/*", "unit/serial_drive/*")),
     ("motion/model", ("unit/motion/test_model", "unit/pilot/test_predictor")),
     ("motion/*", ("unit/motion/*",)),

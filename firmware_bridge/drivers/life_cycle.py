@@ -181,15 +181,20 @@ class LifeCycle:
             return state
         return DriverState.UNCONFIGURED
 
-    def begin(self, transition: Transition, task: Task | None = None) -> None:
-        """End what is under way and begin a transition, or only that one of its tasks."""
+    def begin(self, transition: Transition, task: Task | None = None, *, configured: bool) -> None:
+        """End what is under way and begin a transition, or only that one of its tasks.
+
+        `configured`: the device shows that its set-up is in force.
+        """
         self.end()
         self.problem = None
-        row = TABLE.get((self.state, transition))
+        # Where the set-up is lost, what needs it is refused, whatever was true before.
+        state = self.seen(configured=configured)
+        row = TABLE.get((state, transition))
         if transition is Transition.END:
             return
         if row is None or transition in self._refused:
-            why = "no such device can" if transition in self._refused else f"it is {self.state.value}"
+            why = "no such device can" if transition in self._refused else f"it is {state.value}"
             self.problem = f"'{transition.value}' is refused: {why}"
             return
         if transition in (Transition.DEACTIVATE, Transition.POWER_OFF):

@@ -119,7 +119,7 @@ class RequestLine(LineLink):
         """Begin a transition, or one of its tasks."""
         self.end_tasks()
         self._set_point = None
-        self.life.begin(transition, task)
+        self.life.begin(transition, task, configured=self.configured)
         self._open_task(now)
         return self._go_on(now)
 

@@ -8,6 +8,8 @@ from typer.testing import CliRunner
 
 from firmware_bridge import family
 from firmware_bridge.cli import program
+from firmware_bridge.drivers.all_drivers import alone, reports_of
+from firmware_bridge.drivers.driver import Reports
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robot.table import LinkTable
 from firmware_bridge.robot_types import find, parse, robots
@@ -29,6 +31,17 @@ def test_a_family_s_links_lead_to_it() -> None:
     for robot in map(find, robots()):
         for link in robot.links.values():
             assert type(link) is family.family_of(link).link
+
+
+def test_each_family_gives_the_reports_of_its_devices_and_what_stops_them_without_the_bridge() -> None:
+    for robot in map(find, robots()):
+        for axis in robot.axes:
+            assert reports_of(robot, axis)
+        for name in robot.links:
+            assert isinstance(alone(robot, name), str)
+    rars = find("rars")
+    assert Reports.POWER in reports_of(rars, rars.axes[0])
+    assert "heartbeat" in alone(rars, rars.axes[0].link)
 
 
 def test_a_link_of_no_installed_family_is_a_lookup_that_fails() -> None:

@@ -4,7 +4,7 @@ import re
 from collections import deque
 from collections.abc import Callable, Sequence
 from itertools import product
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, TypeAlias
 
 import pytest
 from hypothesis import Phase, given, settings
@@ -81,20 +81,37 @@ def test_power_is_requested_by_activate_and_recover_alone_and_recover_configures
 @pytest.mark.parametrize("transition", [Transition.ACTIVATE, Transition.HOME, Transition.SET_ZERO])
 def test_what_a_state_does_not_begin_is_refused_by_name_and_leaves_it(transition: Transition) -> None:
     life = LifeCycle()
-    life.begin(transition)
+    life.begin(transition, configured=True)
     assert (life.state, life.tasks) == (DriverState.UNCONFIGURED, ())
     assert life.problem == f"'{transition.value}' is refused: it is unconfigured"
 
 
+@pytest.mark.parametrize("transition", [Transition.ACTIVATE, Transition.HOME, Transition.SET_ZERO])
+def test_an_active_device_that_has_lost_its_set_up_is_as_one_without(transition: Transition) -> None:
+    life = LifeCycle()
+    life.begin(Transition.RECOVER, configured=False)
+    while life.tasks:
+        life.done()
+    assert life.state is DriverState.ACTIVE
+    life.begin(transition, configured=False)
+    assert (life.tasks, life.problem) == ((), f"'{transition.value}' is refused: it is unconfigured")
+    # What it needs begins.
+    life.begin(Transition.CONFIGURE, configured=False)
+    assert life.tasks[:3] == FOUND
+
+
+Operation: TypeAlias = tuple[Transition, bool] | str
+"""A transition, with whether the set-up is in force, or something else."""
 OPERATIONS: Final = st.one_of(
-    st.sampled_from(Transition),
+    st.tuples(st.sampled_from(Transition), st.booleans()),
     st.sampled_from(["done", "fail", "end", "power off", "restore"]),
 )
 
 
-def operate(life: LifeCycle, operation: Transition | str) -> None:
-    if isinstance(operation, Transition):
-        life.begin(operation)
+def operate(life: LifeCycle, operation: Operation) -> None:
+    if isinstance(operation, tuple):
+        transition, configured = operation
+        life.begin(transition, configured=configured)
     elif operation == "fail":
         life.fail("why")
     elif operation == "end":
@@ -109,12 +126,13 @@ def operate(life: LifeCycle, operation: Transition | str) -> None:
 
 @given(st.lists(OPERATIONS, max_size=60))
 @settings(max_examples=examples(300))
-def test_at_every_instant_the_state_is_that_of_its_tasks(operations: Sequence[Transition | str]) -> None:
+def test_at_every_instant_the_state_is_that_of_its_tasks(operations: Sequence[Operation]) -> None:
     life = LifeCycle()
     for operation in operations:
         before = life.state
         operate(life, operation)
-        if before is DriverState.FAILED and operation not in {Transition.RECOVER, *TAKES_POWER, "restore"}:
+        wanted = operation[0] if isinstance(operation, tuple) else operation
+        if before is DriverState.FAILED and wanted not in {Transition.RECOVER, *TAKES_POWER, "restore"}:
             assert life.state is before
         assert (life.state in AT_REST) == (not life.tasks)
         assert (life.tasks[:1] == (Task.ENABLE,)) == (life.state is DriverState.ACTIVATING)

@@ -1,111 +1,18 @@
 """One device alone on a line: one request at a time, what waits, what is repeated, and what is given up."""
 
-from collections.abc import Callable, Mapping
-from enum import StrEnum
-from typing import Annotated, ClassVar, Final
+from collections.abc import Callable
 
 import pytest
-from pydantic import Field
 
-from firmware_bridge.drivers.driver import Feedback, Position, Power, Reports, SetPoint, Stop
-from firmware_bridge.drivers.life_cycle import AT_REST, DriverState, Task, Transition
-from firmware_bridge.drivers.line_device import LineDevice, Report
+from firmware_bridge.drivers.driver import Position, Power, Stop
+from firmware_bridge.drivers.life_cycle import DriverState, Task, Transition
 from firmware_bridge.drivers.line_driver import LOST
-from firmware_bridge.drivers.request_line import TRIES, UNFOUND, line_drivers
+from firmware_bridge.drivers.request_line import TRIES
 from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot.table import LineTable, Medium
-from firmware_bridge.robot_types import find
-from firmware_bridge.units import MILLISECOND, NEVER
-
-MS: Final = MILLISECOND
-ANSWERS: Final = 60 * MS
-AXIS: Final = find("diff_drive").axes[0]
-
-
-class Word(StrEnum):
-    MADE_UP = "made-up"
-
-
-class Table(LineTable):
-    driver: Annotated[Word, Field(strict=False)]
-
-    @property
-    def rate(self) -> int:
-        return 9_600
-
-
-class Device(LineDevice):
-    """Each answer is the request and a state; `a` to the request for identity has none."""
-
-    reports: ClassVar[frozenset[Reports]] = frozenset({Reports.POWER})
-    question: ClassVar[bytes] = b"q"
-    tasks: ClassVar[Mapping[Task, tuple[bytes, ...]]] = {
-        Task.IDENTIFY: (b"i",),
-        Task.CONFIGURE: (b"off", b"c"),
-        Task.ENABLE: (b"on",),
-        Task.DISABLE: (b"off",),
-    }
-
-    def request(self, set_point: SetPoint) -> bytes:
-        if isinstance(set_point, Stop):
-            return set_point.name.encode()
-        return b"to %d" % set_point.value if isinstance(set_point, Position) else b"?"
-
-    def read(self, request: bytes, line: bytes) -> Report | bool:
-        own, _, state = line.partition(b"=")
-        if own != request:
-            return False
-        return Report(Power(state.decode()), 1.0, 0.5) if state else True
-
-
-class Line:
-    """The drivers of such a link, and its wire."""
-
-    def __init__(self) -> None:
-        table = Table(driver=Word.MADE_UP, silent_ms=250, found_within_ms=500)
-        self.drivers = line_drivers("line", table, Device(AXIS))
-        (self.driver,) = self.drivers.drivers
-        self.link = self.drivers.link
-        self.now = 0
-        self.state = "off"
-        self.sent: list[bytes] = []
-
-    def takes(self, packets: tuple[Packet, ...]) -> None:
-        assert len(packets) <= 1, "one request at a time"
-        self.sent += [packet.payload for packet in packets]
-
-    def receives(self, line: bytes) -> None:
-        self.takes(self.link.receive(Packet("line", 0, line + b"\n"), self.now))
-
-    def wakes(self) -> None:
-        self.now = max(self.now, self.link.wake_at)
-        self.takes(self.link.wake(self.now))
-
-    def answers(self) -> None:
-        """Answer the newest request with the state."""
-        request = self.sent[-1].rstrip(b"\n")
-        self.state = {b"on": "on", b"off": "off"}.get(request, self.state)
-        self.receives(request + b"=" + self.state.encode())
-
-    def is_up(self) -> "Line":
-        self.takes(self.driver.begin(Transition.RECOVER, self.now))
-        while self.busy:
-            self.answers()
-        return self
-
-    @property
-    def busy(self) -> bool:
-        return self.driver.state not in AT_REST
-
-    @property
-    def feedback(self) -> Feedback:
-        return self.driver.feedback
-
-    def shows(self, *, busy: bool | None = None, unpowered: bool | None = None) -> None:
-        """Check those that are given."""
-        assert busy in (None, self.busy)
-        assert unpowered in (None, self.driver.unpowered)
+from firmware_bridge.robot.table import Medium
+from firmware_bridge.units import NEVER
+from hil_tests.unit.drivers.request_line_bench import ANSWERS, MS, Line, Table, Word
 
 
 def test_a_table_of_a_line_is_a_serial_port_with_its_latency() -> None:
@@ -291,7 +198,7 @@ def test_a_lost_device_is_not_activated_and_a_set_point_that_moves_is_standstill
     line.sent.clear()
     line.takes(line.driver.begin(Transition.ACTIVATE, line.now))
     assert line.sent == []
-    assert UNFOUND in str(line.driver.failure)
+    assert "'activate' is refused: it is unconfigured" in str(line.driver.failure)
 
 
 @pytest.mark.parametrize("transition", [Transition.HOME, Transition.SET_ZERO, Transition.RESET])

@@ -102,7 +102,7 @@ class Ar2Board(JointBoard):
             return ()
         self._begun = (transition, task, now)
         self.end_tasks()
-        self.life.begin(transition, task)
+        self.life.begin(transition, task, configured=self.configured)
         return self._open_task(now) + self._go_on(now)
 
     def end_tasks(self) -> None:

@@ -112,7 +112,7 @@ class TaskRunner:
     def begin(self, transition: Transition, now: Nanoseconds, task: Task | None = None) -> tuple[Packet, ...]:
         """Begin a transition, or that one of its tasks, in place of what is under way."""
         self.end()
-        self.life.begin(transition, task)
+        self.life.begin(transition, task, configured=self.configured)
         return self._open((), now)
 
     def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:

@@ -92,7 +92,7 @@ class Board(LineLink):
             return ()
         self._begun = (transition, task, now)
         self.end_tasks()
-        self.life.begin(transition, task)
+        self.life.begin(transition, task, configured=self.configured)
         if self.life.tasks:
             self._drop()
         return self._open_task() + self._go_on(now)
