@@ -78,7 +78,9 @@ def test_a_request_has_no_answer_at_its_time_and_not_before() -> None:
     assert line.link.wake_at == 2 * ANSWERS
 
 
-def test_three_requests_without_an_answer_are_the_end_of_a_task_and_an_answer_begins_anew() -> None:
+def test_three_requests_without_an_answer_are_the_end_of_a_task_and_an_answer_begins_the_count_again() -> (
+    None
+):
     line = Line()
     line.takes(line.driver.begin(Transition.CONFIGURE, line.now))
     line.answers()
