@@ -27,6 +27,9 @@ GATE: Final = (
     "safety/test_what_follows",
 )
 
+EPOS2_DRIVER: Final = ("unit/drivers/*", "unit/serial_drive/*")
+HOMING: Final = ("unit/bridge/test_homing", "scenarios/test_homing_stories")
+
 PACKAGES: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("safety/guard/guard", (*GUARD, *LINES, *ACROSS)),
     ("safety/guard/across_axes", ACROSS),
@@ -61,12 +64,18 @@ PACKAGES: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("bridge/*", ("unit/bridge/*", "unit/pipeline/*")),
     ("families/motion_capture/driver/*", ("unit/capture_driver/*",)),
     ("families/epos2/commissioning/*", ("unit/commissioning/*",)),
-    ("families/epos2/driver/serial/*", ("unit/serial_drive/*", "unit/drivers/*")),
+    (
+        "families/epos2/driver/serial/*",
+        ("unit/serial_drive/*", "unit/drivers/*", "scenarios/test_serial_drive"),
+    ),
     ("families/ar2/driver/*", ("unit/ar2_driver/*", "scenarios/test_ar2_stories")),
     ("families/motor_shield/driver/*", ("unit/shield/*", "failures/test_failures")),
     ("families/epos2/driver/stops", ("unit/bridge/*", "unit/drivers/*")),
     ("drivers/*stop*", ("unit/bridge/*", "unit/drivers/*")),
-    ("families/epos2/driver/*", ("unit/drivers/*", "unit/serial_drive/*")),
+    ("families/epos2/driver/zero", (*EPOS2_DRIVER, "unit/bridge/test_zero", *HOMING)),
+    ("families/epos2/driver/tasks", (*EPOS2_DRIVER, "unit/bridge/*", *HOMING)),
+    ("families/epos2/driver/feedback", (*EPOS2_DRIVER, "unit/bridge/*", *HOMING)),
+    ("families/epos2/driver/*", EPOS2_DRIVER),
     ("canopen/sdo_client", ("unit/drivers/*", "unit/serial_drive/*")),
     ("drivers/request_line", ("unit/drivers/test_request_line*",)),
     ("drivers/*", ("unit/drivers/*", "unit/serial_drive/*")),
