@@ -44,6 +44,7 @@ WAY_OF_A_PACKET: Final = (
     "emulators/bench/orders.py",
     "emulators/bench/stick.py",
     "emulators/canopen/*.py",
+    "emulators/drive/*.py",
     "emulators/epos2/canopen/*.py",
     "emulators/epos2/control/*.py",
     "emulators/epos2/drive.py",

@@ -10,13 +10,13 @@ from typing import Final
 from emulators.canopen.object_store import ObjectStore
 from emulators.canopen.option_codes import DECELERATIONS, ErrorReaction
 from emulators.canopen.power_states import Happening
+from emulators.drive.mode_selector import ModeSelector
 from emulators.epos2.control import enable_checks, supervision
 from emulators.epos2.control.power_sequence import PowerSequence
 from emulators.epos2.control.power_states import TIMED
 from emulators.epos2.control.standing_errors import StandingErrors
 from emulators.epos2.control.supervision import WATCHED
 from emulators.epos2.io.drive_pins import Pins
-from emulators.epos2.modes.mode_selector import ModeSelector
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen.cia402 import ControlwordBit, ControlwordCommand, PowerState, command_of
 from firmware_bridge.canopen.emergency import NO_ERROR

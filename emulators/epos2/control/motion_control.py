@@ -9,6 +9,8 @@ from typing import Final
 
 from emulators.canopen.object_store import ObjectStore
 from emulators.canopen.option_codes import ABORT_CONNECTION
+from emulators.drive.mode_selector import ModeSelector
+from emulators.drive.shaft import Shaft
 from emulators.epos2.control.device_control import DeviceControl
 from emulators.epos2.control.power_sequence import PowerSequence
 from emulators.epos2.control.power_states import Delays
@@ -16,7 +18,7 @@ from emulators.epos2.control.sensing import Sensing
 from emulators.epos2.control.supervision import NOT_CARRIED_OUT, SETPOINTS_IN_A_MILLISECOND
 from emulators.epos2.io.data_recorder import DataRecorder
 from emulators.epos2.io.drive_pins import Pins
-from emulators.epos2.modes.mode_selector import HEEDED, MODES, ModeSelector
+from emulators.epos2.modes.table import HEEDED, IMPOSSIBLE, MODES
 from emulators.epos2.objects.axis_parameters import (
     ACTUAL_VALUES,
     ONLY_WITHOUT_POWER,
@@ -31,6 +33,7 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState, Status
 from firmware_bridge.canopen.emergency import NO_ERROR
 from firmware_bridge.families.epos2.wire import emergency
+from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 # The statusword's bits as plain numbers: it is put together with every frame, and flags are slow to join.
@@ -64,7 +67,9 @@ class MotionControl:
         self._recorder = DataRecorder(store, axis)
         self._report_to = report
         self.pins: Final = Pins(store, axis)
-        self._modes = ModeSelector(store, axis, self.pins.inputs)
+        self._modes = ModeSelector(
+            Shaft(store, axis, self.pins.inputs, IMPOSSIBLE), MODES, Mode.PROFILE_POSITION
+        )
         self._power = PowerSequence(store, axis, self._modes, self.pins, delays or Delays())
         self._control = DeviceControl(store, axis, self._modes, self.pins, self._power, report=self._report)
         self._settings = Settings()

@@ -9,9 +9,9 @@ from typing import Final
 from emulators.canopen.object_store import ObjectStore
 from emulators.canopen.option_codes import RAMP_OPTIONS
 from emulators.canopen.power_states import Happening, PowerStageEffect, RampOption, Transition, Trigger
+from emulators.drive.mode_selector import ModeSelector
 from emulators.epos2.control.power_states import LEAVING, TIMED, Delays
 from emulators.epos2.io.drive_pins import Pins
-from emulators.epos2.modes.mode_selector import ModeSelector
 from emulators.servo.axis import ServoAxis
 from emulators.servo.sensors import align
 from firmware_bridge.canopen import objects as od

@@ -30,7 +30,7 @@ _FIGURES: Final = (
     "supply_v",
 )
 _ROOT: Final = Path(emulators.__file__).parent
-_MODULES: Final = ("canopen", "epos2", "servo", "wires")
+_MODULES: Final = ("canopen", "drive", "epos2", "servo", "wires")
 _ASSUMPTION: Final = re.compile(
     r"""(?:(?P<before>[^."()]{3,}[.:;]?)\s*\(?)?\b[Aa]ssumed: (?P<what>.+?)"""
     r"""(?:\.(?=\s|$|"|\))|\)(?=[.;:, ]|$)|\"{3})"""

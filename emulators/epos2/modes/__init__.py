@@ -1,5 +1,4 @@
-"""Modes of operation: the shaft's motion once the drive is enabled; one module for each kind of mode.
+"""The EPOS2's modes of operation: its own, and its differences from those of CiA 402 in `emulators.drive`.
 
-`table` lists the modes, `mode` has their base class, `motion` gives one of them the shaft. Source: EPOS
-Firmware Specification, chapters of the modes (by analogy).
+`table` lists them. Source: EPOS Firmware Specification, chapters of the modes (by analogy).
 """

@@ -10,8 +10,8 @@ Source: maxon EDS (0x2300, 0x607F, 0x60C5). Where it is silent:
 
 from typing import ClassVar, Final
 
-from emulators.epos2.modes.mode import ModeOfOperation
-from emulators.epos2.modes.shaft import Shaft
+from emulators.drive.mode import ModeOfOperation
+from emulators.drive.shaft import Shaft
 from emulators.servo.axis import ELECTRONIC_GEAR
 from emulators.servo.commands import judge_again
 from emulators.servo.profile import stopping_distance

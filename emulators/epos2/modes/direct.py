@@ -8,14 +8,14 @@ from collections.abc import Callable
 from functools import partial
 from typing import ClassVar
 
+from emulators.drive.mode import ModeOfOperation
+from emulators.drive.shaft import Shaft
 from emulators.epos2.modes.analogue import (
     CURRENT_SETPOINT,
     POSITION_SETPOINT,
     VELOCITY_SETPOINT,
     AnalogueSetpoint,
 )
-from emulators.epos2.modes.mode import ModeOfOperation
-from emulators.epos2.modes.shaft import Shaft
 from emulators.servo.axis import CURRENT, DIRECT
 from emulators.servo.commands import regulate_position, regulate_velocity
 from firmware_bridge.canopen.address import Address

@@ -13,9 +13,9 @@ Source: application note Interpolation Position Mode, December 2008. Where it is
 
 from typing import ClassVar, Final
 
+from emulators.drive.mode import ModeOfOperation
+from emulators.drive.shaft import Shaft
 from emulators.epos2.modes.interpolation_buffer import BufferStatus, InterpolationBuffer
-from emulators.epos2.modes.mode import ModeOfOperation
-from emulators.epos2.modes.shaft import Shaft
 from emulators.servo import spline
 from emulators.servo.axis import SPLINE
 from emulators.servo.scaling import speed_units

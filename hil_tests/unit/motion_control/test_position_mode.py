@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from emulators.epos2.modes.mode_selector import MODES
+from emulators.epos2.modes.table import MODES
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.families.epos2.wire import address as at

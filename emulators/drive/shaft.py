@@ -3,10 +3,10 @@
 Not known here: modes and states.
 """
 
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, Protocol
 
 from emulators.canopen.object_store import ObjectStore
-from emulators.epos2.io.digital_inputs import DigitalInputs
 from emulators.servo import sine
 from emulators.servo.axis import (
     CURRENT,
@@ -29,18 +29,37 @@ from emulators.servo.scaling import acceleration_units, speed_units
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.emergency import NO_ERROR
-from firmware_bridge.families.epos2.wire import emergency
 
 LONGEST_MOVE_MS: Final = (1 << 31) - 1
+
+
+class Switches(Protocol):
+    """The switches at the shaft. Masks: a bit for each `Switch`, by its number."""
+
+    active: int
+    """Those that are active."""
+    fitted: int
+    """Those that there are."""
+
+
+@dataclass(frozen=True, slots=True)
+class Impossible:
+    """A product's emergency codes for moves that cannot be made."""
+
+    outside: int
+    """A target outside 0x607D."""
+    too_far: int
+    """A move longer than the profile's clock runs."""
 
 
 class Shaft:
     """Axis and store, in the units of the one and the objects of the other."""
 
-    def __init__(self, store: ObjectStore, axis: ServoAxis, inputs: DigitalInputs) -> None:
+    def __init__(self, store: ObjectStore, axis: ServoAxis, inputs: Switches, impossible: Impossible) -> None:
         self.store: Final = store
         self.inputs: Final = inputs
         self.axis: Final = axis
+        self.impossible: Final = impossible
         self.halted = False
         """Bit 8 of the controlword is up, in a mode that heeds it."""
         self.referenced = False
@@ -119,7 +138,7 @@ class Shaft:
         axis.cruise = min(cruise, self.fastest())
         # `cruise` is in demand units per ms: the product is the distance of 24.9 days.
         if abs(axis.target_position - axis.position_demand) > axis.cruise * LONGEST_MOVE_MS:
-            self.error = emergency.SOFTWARE_PARAMETER
+            self.error = self.impossible.too_far
             return
         axis.acceleration = self.acceleration(acceleration)
         axis.deceleration = self.acceleration(deceleration)
@@ -155,12 +174,12 @@ class Shaft:
             self.axis.shape = TRAPEZOID
 
     def bounded(self, rpm: int) -> int:
-        """Return a speed in velocity units, within 0x607F and 0x6410:4."""
+        """Return a speed in velocity units, within 0x607F and the motor's."""
         limit = self.fastest()
         return max(-limit, min(limit, speed_units(self.axis, rpm)))
 
     def fastest(self) -> int:
-        """Return the fastest that a profile may go, in velocity units: 0x607F and 0x6410:4."""
+        """Return the fastest that a profile may go, in velocity units: 0x607F and the motor's."""
         return min(speed_units(self.axis, self.store.get(od.MAX_PROFILE_VELOCITY)), self.axis.speed_limit)
 
     def acceleration(self, address: Address) -> int:

@@ -6,7 +6,7 @@ before its start signal.
 
 from typing import ClassVar, Final
 
-from emulators.epos2.modes.shaft import Shaft
+from emulators.drive.shaft import Shaft
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import Status
 
@@ -75,7 +75,7 @@ class ModeOfOperation:
 
     @property
     def sought(self) -> int:
-        """Functions of the input pins that the mode is looking for, as bits of 0x2071."""
+        """Switches that the mode is looking for, as a mask."""
         return 0
 
     @property

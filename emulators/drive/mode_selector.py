@@ -1,49 +1,13 @@
-"""The modes of operation of an EPOS2, and the selection of the one that moves the shaft.
-
-Assumed: in diagnostic mode, of which nothing is published, the drive holds its position and does no more.
-"""
+"""The selection of the mode of operation that moves the shaft, of those that a product has."""
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Final
 
-from emulators.canopen.object_store import ObjectStore
-from emulators.epos2.io.digital_inputs import DigitalInputs
-from emulators.epos2.modes.digital_position import DigitalPosition
-from emulators.epos2.modes.direct import CurrentMode, PositionMode, VelocityMode
-from emulators.epos2.modes.homing import HomingMode
-from emulators.epos2.modes.interpolated_position import InterpolatedPosition
-from emulators.epos2.modes.mode import ModeOfOperation
-from emulators.epos2.modes.profile_position import ProfilePosition
-from emulators.epos2.modes.profile_velocity import ProfileVelocity
-from emulators.epos2.modes.shaft import Shaft
-from emulators.servo.axis import ServoAxis
+from emulators.drive.mode import ModeOfOperation
+from emulators.drive.shaft import Shaft
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import ControlwordBit
 from firmware_bridge.canopen.emergency import NO_ERROR
-from firmware_bridge.families.epos2.wire.modes import Mode
-
-MODES: Final[Mapping[int, type[ModeOfOperation]]] = MappingProxyType(
-    {
-        Mode.INTERPOLATED_POSITION: InterpolatedPosition,
-        Mode.HOMING: HomingMode,
-        Mode.PROFILE_VELOCITY: ProfileVelocity,
-        Mode.PROFILE_POSITION: ProfilePosition,
-        Mode.POSITION: PositionMode,
-        Mode.VELOCITY: VelocityMode,
-        Mode.CURRENT: CurrentMode,
-        Mode.DIAGNOSTIC: ModeOfOperation,
-        Mode.MASTER_ENCODER: DigitalPosition,
-        Mode.STEP_DIRECTION: DigitalPosition,
-    }
-)
-"""Every mode by its number in 0x6060."""
-
-HEEDED: Final[tuple[Address, ...]] = tuple(
-    sorted({address for mode in MODES.values() for address in mode.heeds})
-)
-"""Objects whose writes one of the modes heeds."""
-
 
 # The controlword's bits as plain numbers: flags are slow, and every frame is looked at.
 _HALT: Final = int(ControlwordBit.HALT)
@@ -53,12 +17,13 @@ _NEW_SETPOINT: Final = int(ControlwordBit.NEW_SETPOINT)
 class ModeSelector:
     """The mode that is set, and all others. Every method but those of the status needs power."""
 
-    def __init__(self, store: ObjectStore, axis: ServoAxis, inputs: DigitalInputs) -> None:
-        self.shaft: Final = Shaft(store, axis, inputs)
-        self._modes: Final = {number: mode(self.shaft) for number, mode in MODES.items()}
+    def __init__(self, shaft: Shaft, modes: Mapping[int, type[ModeOfOperation]], first: int) -> None:
+        """`modes`: by their numbers in 0x6060; `first` is set until another one is."""
+        self.shaft: Final = shaft
+        self._modes: Final = {number: mode(shaft) for number, mode in modes.items()}
         self._other: Final = ModeOfOperation(self.shaft)
         """Mode for a number that no mode has: it may come from edited saved parameters."""
-        self.number = int(Mode.PROFILE_POSITION)
+        self.number = first
         """The mode that is set, as in 0x6060."""
         self.mode = self._modes[self.number]
         self._latching = False

@@ -2,7 +2,7 @@
 
 from typing import ClassVar, Final
 
-from emulators.epos2.modes.mode import ModeOfOperation
+from emulators.drive.mode import ModeOfOperation
 from emulators.servo.axis import AT_REST
 from emulators.servo.commands import regulate_velocity
 from firmware_bridge.canopen import objects as od
@@ -40,7 +40,7 @@ class ProfileVelocity(ModeOfOperation):
         self._go(value)
 
     def _go(self, rpm: int) -> None:
-        """Ramp to a velocity within 0x607F and 0x6410:4; in a halt the ramp goes to 0."""
+        """Ramp to a velocity within 0x607F and the motor's; in a halt the ramp goes to 0."""
         shaft = self.shaft
         # Halt keeps 0x60FF: without it the ramp goes back to that velocity.
         velocity = 0 if shaft.halted else shaft.bounded(rpm)
