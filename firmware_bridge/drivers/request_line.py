@@ -110,8 +110,8 @@ class RequestLine(LineLink):
         """At once where something is to be sent and the line is free; else when an answer is overdue."""
         if self._open is not None:
             return self._sent_at + self.answers_within
-        waits = self._todo or self._set_point is not None or self._sample_due
-        return 0 if waits and not self.gone else NEVER
+        # Tasks and samples are sent at once, or when the line is free again; a set-point waits to be woken.
+        return 0 if self._set_point is not None and not self.gone else NEVER
 
     # For the axis
 

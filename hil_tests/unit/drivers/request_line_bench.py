@@ -40,6 +40,7 @@ class Device(LineDevice):
     tasks: ClassVar[Mapping[Task, tuple[bytes, ...]]] = {
         Task.IDENTIFY: (b"i",),
         Task.CONFIGURE: (b"off", b"c"),
+        Task.START: (b"go",),
         Task.ENABLE: (b"on",),
         Task.LEAVE: (b"off",),
         Task.DISABLE: (b"off",),
@@ -51,6 +52,7 @@ class Device(LineDevice):
         return b"to %d" % set_point.value if isinstance(set_point, Position) else b"?"
 
     def read(self, request: bytes, line: bytes) -> Report | bool:
+        assert request, "a line that answers nothing"
         own, _, state = line.partition(b"=")
         if own != request:
             return False

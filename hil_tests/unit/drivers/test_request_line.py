@@ -30,7 +30,7 @@ def test_the_bring_up_goes_request_by_request_and_ends_with_power() -> None:
         DriverState.UNCONFIGURED,
     )
     line.is_up()
-    assert line.sent == [b"q\n", b"i\n", b"off\n", b"c\n", b"q\n", b"on\n"]
+    assert line.sent == [b"q\n", b"i\n", b"off\n", b"c\n", b"q\n", b"go\n", b"on\n"]
     assert (line.feedback.power, line.driver.unpowered, line.driver.state) == (
         Power.ON,
         False,
@@ -49,6 +49,15 @@ def test_an_answer_without_a_state_goes_on_and_another_line_does_not() -> None:
     assert line.feedback.power is Power.UNKNOWN
     line.receives(b"i")
     assert not line.busy
+
+
+def test_an_answer_without_a_state_leaves_the_one_of_before() -> None:
+    line = Line().is_up()
+    line.driver.command(Position(7.0))
+    line.wakes()
+    line.receives(b"to 7")
+    line.shows(power=Power.ON)
+    assert (line.feedback.position, line.feedback.velocity) == (1.0, 0.5)
 
 
 def test_of_set_points_that_wait_the_newest_is_sent_before_the_sample() -> None:

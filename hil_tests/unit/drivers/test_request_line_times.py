@@ -149,16 +149,53 @@ def test_a_device_is_silent_at_its_time_and_not_before() -> None:
 
 def test_a_device_that_falls_silent_before_it_gets_power_gets_none() -> None:
     line = Line(silent_ms=100)
-    line.takes(line.driver.begin(Transition.RECOVER, 0))
-    while line.sent[-2:] != [b"c\n", b"q\n"]:
+    for _ in range(2):
+        line.takes(line.driver.begin(Transition.RECOVER, line.now))
+        while line.sent[-1] != b"go\n":
+            line.answers()
+        line.wakes()
+        line.now += 50 * MS
+        line.takes(line.link.sample(line.now))
         line.answers()
-    line.wakes()
-    line.now = 110 * MS
+        assert b"on\n" not in line.sent
+        assert UNFOUND in str(line.driver.failure)
+        line.shows(DriverState.UNCONFIGURED, Power.UNKNOWN)
+
+
+def test_a_stop_for_a_device_without_set_up_is_sent_however_long_it_was_silent() -> None:
+    line = Line()
+    line.driver.command(Stop.QUICK_STOP)
+    line.takes(line.link.sample(10_000 * MS))
+    assert line.sent == [b"QUICK_STOP\n"]
+
+
+def test_nothing_is_looked_for_on_a_line_that_is_gone() -> None:
+    line = Line().is_up()
+    line.now = 50 * MS
     line.takes(line.link.sample(line.now))
-    line.answers()
-    assert b"on\n" not in line.sent
-    assert UNFOUND in str(line.driver.failure)
-    line.shows(DriverState.UNCONFIGURED, Power.UNKNOWN)
+    line.takes(line.link.receive(GONE, line.now))
+    line.takes(line.link.sample(100 * MS))
+    line.shows(DriverState.UNCONFIGURED)
+    assert line.link.late == 0
+    # No bytes are no news.
+    line.takes(line.link.receive(Packet("line", 0, b""), line.now))
+    assert line.link.lost is not None
+
+
+def test_a_wake_up_without_a_request_changes_nothing() -> None:
+    line = Line().is_up()
+    busy = line.link.busy
+    line.takes(line.link.wake(10_000 * MS))
+    assert (line.link.busy, line.busy) == (busy, False)
+
+
+def test_a_task_without_requests_is_done_at_once() -> None:
+    line = Line().is_up()
+    line.sent.clear()
+    for _ in range(3):
+        line.takes(line.driver.begin(Transition.LISTEN, line.now))
+        line.shows(DriverState.ACTIVE, busy=False)
+    assert (line.sent, line.link.wake_at) == ([], NEVER)
 
 
 def test_silence_counts_from_the_newest_answer() -> None:
@@ -212,18 +249,19 @@ def test_every_late_cycle_counts_whether_its_sample_waits_or_is_under_way() -> N
 def test_the_longest_cycle_and_the_busy_time_of_the_line_are_measured() -> None:
     line = Line().is_up()
     before = line.link.busy, line.link.commands
-    for start, end in ((50, 54), (100, 107), (150, 152)):
+    for start, end in ((50, 54), (100, 105), (150, 157), (200, 202)):
         line.now = start * MS
         line.takes(line.link.sample(line.now))
         line.now = end * MS
         line.answers()
     assert line.link.longest_cycle == 7 * MS
-    assert (line.link.busy - before[0], line.link.commands - before[1]) == (13 * MS, 3)
-    line.now = 200 * MS
-    line.driver.command(Position(1.0))
-    line.wakes()
-    line.wakes()
-    assert line.link.busy - before[0] == 13 * MS + ANSWERS
+    assert (line.link.busy - before[0], line.link.commands - before[1]) == (18 * MS, 4)
+    line.now = 250 * MS
+    for missed in (1, 2):
+        line.driver.command(Position(1.0))
+        line.wakes()
+        line.wakes()
+        assert line.link.busy - before[0] == 18 * MS + missed * ANSWERS
     assert line.link.longest_cycle == 7 * MS
 
 
@@ -235,10 +273,14 @@ def test_a_request_is_a_packet_of_its_line_with_its_end() -> None:
 
 def test_half_a_line_of_before_does_not_spoil_an_answer() -> None:
     line = Line()
-    line.takes(line.link.receive(Packet("line", 0, b"gar"), 0))
-    line.takes(line.driver.begin(Transition.RECOVER, 0))
-    line.receives(b"q=off")
-    assert line.sent[-1] == b"i\n"
+    for _ in range(2):
+        line.takes(line.link.receive(Packet("line", 0, b"gar"), 0))
+        line.takes(line.driver.begin(Transition.RECOVER, 0))
+        line.receives(b"q=off")
+        assert line.sent[-1] == b"i\n"
+        line.receives(b"i")
+        line.takes(line.driver.begin(Transition.END, 0))
+        line.receives(b"off=off")
 
 
 def test_two_lines_at_once_are_both_taken() -> None:
@@ -332,7 +374,9 @@ def test_a_stop_that_ends_a_task_leaves_no_request_of_it() -> None:
     line = Line().is_up()
     for _ in range(2):
         line.takes(line.driver.begin(Transition.ACTIVATE, line.now))
+        line.takes(line.driver.begin(Transition.ACTIVATE, line.now))
         line.driver.command(Stop.QUICK_STOP)
+        line.shows(busy=False)
         line.answers()
         assert line.sent[-1] == b"QUICK_STOP\n"
         line.answers()
