@@ -1,13 +1,14 @@
-"""Option codes of CiA 402: reactions to a fault and to a lost connection, ramps before the power goes.
+"""Option codes of CiA 402: quick stop, halt, faults, lost connections, ramps before the power goes.
 
-Source: CiA 402-2, 0x6007, 0x605B, 0x605C and 0x605E. A product takes the rows that it has, and adds its own.
+Source: CiA 402-2, 0x6007, 0x605A to 0x605E. A product takes the rows that it has, and adds its own.
 """
 
 from collections.abc import Mapping
 from enum import Enum
 from types import MappingProxyType
-from typing import Final
+from typing import Final, NamedTuple
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.canopen.power_states import RampOption
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
@@ -43,3 +44,52 @@ ABORT_CONNECTION: Final[Mapping[int, ErrorReaction]] = MappingProxyType(
 The standard names commands for 2 and 3, not the state that follows. Here each but 0 ends in Fault: that
 is the EPOS2's (0x8130), and a guess for any other product.
 """
+
+
+class QuickStopOption(NamedTuple):
+    """A row of 0x605A."""
+
+    deceleration: Address | None
+    """Object with the deceleration of its ramp; None: the power stage goes off at once."""
+    lasts: bool
+    """True if Quick stop active lasts, with power; else Switch on disabled follows its ramp."""
+
+
+QUICK_STOP: Final[Mapping[int, QuickStopOption]] = MappingProxyType(
+    {
+        0: QuickStopOption(None, lasts=False),
+        1: QuickStopOption(od.PROFILE_DECELERATION, lasts=False),
+        2: QuickStopOption(od.QUICK_STOP_DECELERATION, lasts=False),
+        5: QuickStopOption(od.PROFILE_DECELERATION, lasts=True),
+        6: QuickStopOption(od.QUICK_STOP_DECELERATION, lasts=True),
+    }
+)
+"""0x605A; the stops at the current and voltage limit, 3, 4, 7 and 8, are not described here."""
+WITHOUT_OPTION: Final = 6
+"""What a device without 0x605A does: the EPOS2's, and a guess for any other."""
+HALT: Final[Mapping[int, Address]] = MappingProxyType(
+    {1: od.PROFILE_DECELERATION, 2: od.QUICK_STOP_DECELERATION}
+)
+"""0x605D: objects with the deceleration of a halt; a device without it halts by 1."""
+
+
+class QuickStop:
+    """The quick stop of one device, by its 0x605A where it has one."""
+
+    def __init__(self, store: ObjectStore) -> None:
+        self._store: Final = store
+        self._has_option: Final = od.QUICK_STOP_OPTION in store.objects
+
+    def _row(self) -> QuickStopOption:
+        option = self._store.get(od.QUICK_STOP_OPTION) if self._has_option else WITHOUT_OPTION
+        return QUICK_STOP.get(option, QUICK_STOP[2])
+
+    @property
+    def deceleration(self) -> Address | None:
+        """The object with its deceleration."""
+        return self._row().deceleration
+
+    @property
+    def lasts(self) -> bool:
+        """True if the device stays in Quick stop active, with power."""
+        return self._row().lasts

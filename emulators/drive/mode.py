@@ -50,7 +50,7 @@ class ModeOfOperation:
 
     def halt(self) -> None:
         """Bit 8 has come up."""
-        self.shaft.brake()
+        self.shaft.halt()
 
     def release(self) -> None:
         """Bit 8 has gone down."""

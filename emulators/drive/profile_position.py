@@ -85,10 +85,10 @@ class ProfilePosition(ModeOfOperation):
             self._start(*setpoint)
 
     def halt(self) -> None:
-        """Come to standstill with 0x6084, and remember the move that this cuts short."""
+        """Come to standstill, and remember the move that this cuts short."""
         axis = self.shaft.axis
         self._interrupted = axis.profile == MOVE and not axis.flags & PROFILE_DONE
-        self.shaft.brake()
+        self.shaft.halt()
 
     def release(self) -> None:
         """Go on with what the halt interrupted, or with the set-point that came meanwhile."""

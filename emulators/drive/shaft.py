@@ -4,9 +4,11 @@ Not known here: modes and states.
 """
 
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final
 
 from emulators.canopen.object_store import ObjectStore
+from emulators.canopen.option_codes import HALT
+from emulators.drive.inputs import DriveInputs
 from emulators.servo import sine
 from emulators.servo.axis import (
     CURRENT,
@@ -33,15 +35,6 @@ from firmware_bridge.canopen.emergency import NO_ERROR
 LONGEST_MOVE_MS: Final = (1 << 31) - 1
 
 
-class Switches(Protocol):
-    """The switches at the shaft. Masks: a bit for each `Switch`, by its number."""
-
-    active: int
-    """Those that are active."""
-    fitted: int
-    """Those that there are."""
-
-
 @dataclass(frozen=True, slots=True)
 class Impossible:
     """A product's emergency codes for moves that cannot be made."""
@@ -55,11 +48,14 @@ class Impossible:
 class Shaft:
     """Axis and store, in the units of the one and the objects of the other."""
 
-    def __init__(self, store: ObjectStore, axis: ServoAxis, inputs: Switches, impossible: Impossible) -> None:
+    def __init__(
+        self, store: ObjectStore, axis: ServoAxis, inputs: DriveInputs, impossible: Impossible
+    ) -> None:
         self.store: Final = store
         self.inputs: Final = inputs
         self.axis: Final = axis
         self.impossible: Final = impossible
+        self._has_halt_option: Final = od.HALT_OPTION in store.objects
         self.halted = False
         """Bit 8 of the controlword is up, in a mode that heeds it."""
         self.referenced = False
@@ -115,6 +111,11 @@ class Shaft:
         """Come to standstill by 0x6084, and hold the position."""
         regulate_position(self.axis)
         self.brake()
+
+    def halt(self) -> None:
+        """Ramp to standstill as 0x605D has it, or by 0x6084, and hold."""
+        option = self.store.get(od.HALT_OPTION) if self._has_halt_option else 1
+        self.brake(HALT.get(option, od.PROFILE_DECELERATION))
 
     def brake(self, address: Address = od.PROFILE_DECELERATION) -> None:
         """Ramp to standstill with the deceleration that an object holds, and hold."""

@@ -9,13 +9,13 @@ from typing import Final
 
 from emulators.canopen.object_store import ObjectStore
 from emulators.canopen.option_codes import ABORT_CONNECTION
+from emulators.drive.device_control import DeviceControl
 from emulators.drive.mode_selector import ModeSelector
+from emulators.drive.power_sequence import PowerSequence, PowerStates
 from emulators.drive.shaft import Shaft
-from emulators.epos2.control.device_control import DeviceControl
-from emulators.epos2.control.power_sequence import PowerSequence
-from emulators.epos2.control.power_states import Delays
+from emulators.epos2.control.power_states import LEAVING, TIMED, Delays
 from emulators.epos2.control.sensing import Sensing
-from emulators.epos2.control.supervision import NOT_CARRIED_OUT, SETPOINTS_IN_A_MILLISECOND
+from emulators.epos2.control.supervision import NOT_CARRIED_OUT, SETPOINTS_IN_A_MILLISECOND, SUPERVISION
 from emulators.epos2.io.data_recorder import DataRecorder
 from emulators.epos2.io.drive_pins import Pins
 from emulators.epos2.modes.table import HEEDED, IMPOSSIBLE, MODES
@@ -33,7 +33,9 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState, Status
 from firmware_bridge.canopen.emergency import NO_ERROR
 from firmware_bridge.families.epos2.wire import emergency
+from firmware_bridge.families.epos2.wire.functions import OutputFunction
 from firmware_bridge.families.epos2.wire.modes import Mode
+from firmware_bridge.families.epos2.wire.power_states import STATUSWORDS
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 # The statusword's bits as plain numbers: it is put together with every frame, and flags are slow to join.
@@ -42,6 +44,9 @@ _REMOTE: Final = int(Status.REMOTE)
 _TARGET_REACHED: Final = int(Status.TARGET_REACHED)
 _REFERENCED: Final = int(Status.REFERENCED)
 _INTERNAL_LIMIT: Final = int(Status.INTERNAL_LIMIT)
+_FAULTS: Final = frozenset(
+    {PowerState.FAULT, PowerState.FAULT_REACTION_ENABLED, PowerState.FAULT_REACTION_DISABLED}
+)
 
 
 class MotionControl:
@@ -70,8 +75,24 @@ class MotionControl:
         self._modes = ModeSelector(
             Shaft(store, axis, self.pins.inputs, IMPOSSIBLE), MODES, Mode.PROFILE_POSITION
         )
-        self._power = PowerSequence(store, axis, self._modes, self.pins, delays or Delays())
-        self._control = DeviceControl(store, axis, self._modes, self.pins, self._power, report=self._report)
+        delays = delays or Delays()
+        states = PowerStates(
+            leaving=LEAVING,
+            words=STATUSWORDS,
+            timed=TIMED,
+            lasts=lambda state: delays.of(state, store.get(od.MOTOR_TYPE)),
+            entered=self._entered,
+        )
+        self._power = PowerSequence(store, axis, self._modes, self.pins.brake, states)
+        self._control = DeviceControl(
+            store,
+            axis,
+            self._modes,
+            self.pins.inputs,
+            self._power,
+            supervision=SUPERVISION,
+            report=self._report,
+        )
         self._settings = Settings()
         self._operational = False
         self.hung = False
@@ -134,6 +155,9 @@ class MotionControl:
         # The power states last: Start ends at once (0 ms), and what follows looks at pins and modes.
         self._control.restart()
         self._publish()
+
+    def _entered(self, state: PowerState) -> None:
+        self.pins.outputs.show(OutputFunction.READY, active=state not in _FAULTS)
 
     def _report(self, code: int) -> None:
         if code != NO_ERROR:

@@ -1,43 +1,23 @@
-"""Map from the servo axis' findings to emergencies, and from emergencies to reactions.
+"""The EPOS2's errors: emergencies of the servo axis' findings, and what it does not carry out.
 
-Sources: EPOS Firmware Specification, error handling (by analogy); option codes per CiA 402. It does not carry
-out a reaction.
+Sources: EPOS Firmware Specification, error handling (by analogy); option codes per CiA 402.
 """
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass
-from functools import reduce
-from operator import or_
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
+from emulators.canopen.object_store import ObjectStore
 from emulators.canopen.option_codes import FAULT_REACTION, ErrorReaction
+from emulators.drive.supervision import Supervision, Watch
+from emulators.epos2.control import enable_checks
 from emulators.epos2.control.sensing import ABSOLUTE
 from emulators.servo import axis as servo
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.canopen.emergency import FaultReaction, Recovery
+from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.families.epos2.wire import emergency
 from firmware_bridge.families.epos2.wire.emergency import EMERGENCIES
-
-
-@dataclass(frozen=True, slots=True)
-class Watch:
-    """A flag of the axis and the emergency that it stands for."""
-
-    flag: int
-    code: int
-    measuring: int = 0
-    """The emergency in its place while the drive looks for its commutation, in Measure init."""
-    absolute: int = 0
-    """The emergency in its place with a sensor that reports a position."""
-
-    def code_in(self, state: PowerState, sensor_type: int) -> int:
-        """Return the emergency in this state, with this position sensor (0x2210:2)."""
-        if self.measuring and state is PowerState.MEASURE_INIT:
-            return self.measuring
-        return self.absolute if self.absolute and sensor_type in ABSOLUTE else self.code
-
 
 WATCHES: Final = (
     Watch(servo.OVER_CURRENT, emergency.OVER_CURRENT),
@@ -68,21 +48,6 @@ POSITION_LOST: Final = frozenset(
 )
 """Emergencies after which the position is no longer referenced (assumed: those of the encoder)."""
 
-WATCHED: Final = reduce(or_, (watch.flag for watch in WATCHES))
-
-
-def findings(flags: int, state: PowerState, sensor_type: int, reported: Collection[int]) -> tuple[int, ...]:
-    """Return the emergencies that the axis' flags stand for, but for those that have been reported."""
-    return tuple(
-        code
-        for watch in WATCHES
-        if flags & watch.flag
-        and (code := watch.code_in(state, sensor_type)) not in reported
-        # FF04 is cured by a node reset only: the same three wires must not add FF01 to it.
-        and watch.measuring not in reported
-    )
-
-
 NOT_CARRIED_OUT: Final[Mapping[Address, int]] = MappingProxyType(
     {
         Address(0x2400, 3): emergency.IDENTIFICATION,
@@ -105,26 +70,17 @@ FAULT_OPTIONS: Final[Mapping[int, ErrorReaction]] = MappingProxyType(
 """0x605E, for the errors that allow a ramp; -1 is uncertain. Others count as the default, 2 (assumed)."""
 
 
-def reaction_to(code: int, fault_option: int) -> ErrorReaction:
-    """Return the reaction to an emergency; a code that the table does not know switches off."""
-    row = EMERGENCIES.get(code)
-    if row is None or row.reaction is FaultReaction.DISABLE:
-        return ErrorReaction.DISABLE
-    if row.reaction is FaultReaction.NONE:
-        return ErrorReaction.NONE
-    return FAULT_OPTIONS.get(fault_option, ErrorReaction.QUICK_STOP)
+def _contradiction(store: ObjectStore, state: PowerState) -> int | None:
+    """Return the emergency of the settings in Refresh, which no command leaves."""
+    return enable_checks.found(store) if state is PowerState.REFRESH else None
 
 
-def curable(errors: Collection[int]) -> bool:
-    """Return whether a fault reset is enough for all of them."""
-    rows = (EMERGENCIES.get(code) for code in errors)
-    return all(row is None or row.recovery is Recovery.FAULT_RESET for row in rows)
-
-
-def left_by_communication_reset(errors: Collection[int]) -> tuple[int, ...]:
-    """Return the errors without those that reset communication cures."""
-    return tuple(
-        code
-        for code in errors
-        if code not in EMERGENCIES or EMERGENCIES[code].recovery is not Recovery.RESET_COMMUNICATION
-    )
+SUPERVISION: Final = Supervision(
+    watches=WATCHES,
+    emergencies=EMERGENCIES,
+    fault_options=FAULT_OPTIONS,
+    position_lost=POSITION_LOST,
+    contradiction=_contradiction,
+    contradicts=enable_checks.stands,
+    absolute=lambda store: store.get(at.SENSOR_TYPE) in ABSOLUTE,
+)

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Final
 
 from emulators.canopen.object_store import ObjectStore
+from emulators.drive.inputs import DriveInputs
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen.cia402 import ControlwordCommand
 from firmware_bridge.families.epos2.wire import emergency
@@ -34,22 +35,13 @@ WATCHED: Final = range(6)
 """Functions whose edges wake the drive; a general purpose input is looked at on request."""
 
 
-class DigitalInputs:
+class DigitalInputs(DriveInputs):
     """The input pins of one drive, by their functions. Masks are those of 0x2071: bit n is function n."""
 
     def __init__(self, store: ObjectStore, axis: ServoAxis) -> None:
+        super().__init__()
         self._store = store
         self._axis = axis
-        self.active = 0
-        """Functions whose signal is there."""
-        self.executed = 0
-        """Active functions that act by themselves."""
-        self.risen = 0
-        """Functions that have begun to act since the refresh before the last one."""
-        self.restriction: ControlwordCommand | None = None
-        """The command that the pins give in place of a master's weaker one."""
-        self.fitted = 0
-        """Functions that a pin has."""
         self._pins = 0
         self._stale = True
         """An object has changed since the last refresh."""
@@ -110,9 +102,8 @@ class DigitalInputs:
     def limits_met(self, heading: int, sought: int) -> tuple[int, ...]:
         """Return the emergencies of the limit switches that have just been met, or are headed into.
 
-        `heading` is the sign of the demanded motion; `sought` are functions that a homing looks for. Assumed:
-        a switch that is still closed lets the shaft out again, and keeps it from going further in; without
-        power none is met.
+        Assumed: a switch that is still closed lets the shaft out again, and keeps it from going further in;
+        without power none is met.
         """
         if not self.executed & LIMIT_BITS:
             return ()

@@ -9,6 +9,7 @@ largest value.
 from typing import Final
 
 from emulators.canopen.object_store import ObjectStore
+from emulators.drive.brake import Brake
 from emulators.epos2.io.digital_outputs import DigitalOutputs
 from emulators.servo.axis import AT_REST, ServoAxis
 from firmware_bridge.canopen.address import Address
@@ -22,18 +23,17 @@ STANDSTILL_TIMEOUT: Final = Address(0x2101, 3)
 UNBOUNDED: Final = 0xFFFF
 
 
-class HoldingBrake:
+class HoldingBrake(Brake):
     """The brake on one output pin."""
 
     def __init__(self, store: ObjectStore, axis: ServoAxis, outputs: DigitalOutputs) -> None:
+        super().__init__()
         self._store = store
         self._axis = axis
         self._outputs = outputs
         self._released = False
         self._begun: Nanoseconds = NEVER
         """Begin of the sequence to power off, in which the shaft is stopped first."""
-        self.due: Nanoseconds = NEVER
-        """Next time to check."""
 
     @property
     def fitted(self) -> bool:

@@ -1,7 +1,6 @@
 """Device control: controlwords, input pins and errors, one after the other, each moves the power state.
 
-Source: CiA 402, device control; maxon's part of it in `power_states`. What a transition does to power stage
-and brake is `power_sequence`'s.
+Source: CiA 402-2, device control. What a transition does to power stage and brake is `power_sequence`'s.
 """
 
 from collections.abc import Callable
@@ -10,13 +9,10 @@ from typing import Final
 from emulators.canopen.object_store import ObjectStore
 from emulators.canopen.option_codes import DECELERATIONS, ErrorReaction
 from emulators.canopen.power_states import Happening
+from emulators.drive.inputs import DriveInputs
 from emulators.drive.mode_selector import ModeSelector
-from emulators.epos2.control import enable_checks, supervision
-from emulators.epos2.control.power_sequence import PowerSequence
-from emulators.epos2.control.power_states import TIMED
-from emulators.epos2.control.standing_errors import StandingErrors
-from emulators.epos2.control.supervision import WATCHED
-from emulators.epos2.io.drive_pins import Pins
+from emulators.drive.power_sequence import PowerSequence
+from emulators.drive.supervision import StandingErrors, Supervision
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen.cia402 import ControlwordBit, ControlwordCommand, PowerState, command_of
 from firmware_bridge.canopen.emergency import NO_ERROR
@@ -34,19 +30,20 @@ class DeviceControl:
         store: ObjectStore,
         axis: ServoAxis,
         modes: ModeSelector,
-        pins: Pins,
+        inputs: DriveInputs,
         power: PowerSequence,
         *,
+        supervision: Supervision,
         report: Callable[[int], None],
     ) -> None:
         """`report` takes emergency codes, and NO_ERROR when a fault was reset."""
         self._store = store
         self._axis = axis
         self._modes = modes
-        self._inputs = pins.inputs
+        self._inputs = inputs
         self._power = power
         self._report = report
-        self.errors: Final = StandingErrors(store, axis)
+        self.errors: Final = StandingErrors(store, axis, supervision)
         self._delayed: tuple[int, int] | None = None
         """A controlword that waits until the present command is completed, and the one before it."""
 
@@ -61,7 +58,7 @@ class DeviceControl:
         """Take in findings, pins and time, then a set-point that waits; mostly there is none of them."""
         inputs, modes, power = self._inputs, self._modes, self._power
         inputs.refresh()
-        if self._axis.flags & WATCHED:
+        if self._axis.flags & self.errors.watched:
             for code in self.errors.found(power.state):  # each is reported once until it is reset
                 self.fail(code)
         self._heed()
@@ -86,8 +83,7 @@ class DeviceControl:
         # The controlword is noted in every state: an edge counts against the one before, carried out or not.
         before, power.controlword = power.controlword, word
         if written and self._modes.mode.goes_by_writes:
-            # maxon's library writes 0x3F for every move and never lowers
-            # bit 4: by the edge alone, only the first would start.
+            # A client that never lowers bit 4 moves once only, by the edge alone.
             before &= ~_NEW_SETPOINT
         if power.state is PowerState.FAULT:
             # CiA 402 transition 15 takes the rising edge: by level,
@@ -98,7 +94,7 @@ class DeviceControl:
             # The brake is still opening: a command that disables does not wait for the rise time 0x2100:1.
             power.give_up_release()
             self._obey(word, before)
-        elif power.under_way or power.state in TIMED:
+        elif power.under_way or power.timed:
             # What waits keeps its edges: a set-point that comes while the drive enables is taken then.
             self._delayed = word, before if self._delayed is None else self._delayed[1]
         elif power.state is not PowerState.FAULT_REACTION_ENABLED:
@@ -114,10 +110,9 @@ class DeviceControl:
         # the bits of the mode count from the next one on.
         was_free = power.free
         power.go(self._admitted(command_of(word)))
-        if power.state is PowerState.REFRESH:  # just entered: in it every command waits
-            contradiction = enable_checks.found(self._store)
-            if contradiction is not None:
-                self.fail(contradiction)
+        contradiction = self.errors.supervision.contradiction(self._store, power.state)
+        if contradiction is not None:
+            self.fail(contradiction)
         self._advance()
         if was_free and power.free:
             self._modes.controls(word, before)
@@ -142,7 +137,7 @@ class DeviceControl:
     def _obeys_delayed(self) -> bool:
         """Carry out the controlword that has waited, if its time has come; say whether it has."""
         delayed, power = self._delayed, self._power
-        if delayed is None or power.under_way or power.state in TIMED:
+        if delayed is None or power.under_way or power.timed:
             return False
         self._delayed = None
         self._obey(*delayed)
@@ -170,7 +165,7 @@ class DeviceControl:
         if reaction is ErrorReaction.NONE:
             return
         self.errors.note(code)
-        if code in supervision.POSITION_LOST:
+        if code in self.errors.supervision.position_lost:
             self._modes.shaft.referenced = False
         # Before the stop drops the moves: homing reports an error only if one was under way.
         self._modes.mode.fail()
