@@ -17,15 +17,15 @@ _NEW_SETPOINT: Final = int(ControlwordBit.NEW_SETPOINT)
 class ModeSelector:
     """The mode that is set, and all others. Every method but those of the status needs power."""
 
-    def __init__(self, shaft: Shaft, modes: Mapping[int, type[ModeOfOperation]], first: int) -> None:
-        """`modes`: by their numbers in 0x6060; `first` is set until another one is."""
+    def __init__(self, shaft: Shaft, modes: Mapping[int, type[ModeOfOperation]]) -> None:
+        """`modes`: by their numbers in 0x6060; none of them is set before `restart`."""
         self.shaft: Final = shaft
         self._modes: Final = {number: mode(shaft) for number, mode in modes.items()}
         self._other: Final = ModeOfOperation(self.shaft)
-        """Mode for a number that no mode has: it may come from edited saved parameters."""
-        self.number = first
+        """Mode for a number that no mode has: none is set, or it comes from edited saved parameters."""
+        self.number = 0
         """The mode that is set, as in 0x6060."""
-        self.mode = self._modes[self.number]
+        self.mode = self._other
         self._latching = False
         """A rising edge of bit 4 whose target is taken when the whole write has arrived."""
 

@@ -43,8 +43,10 @@ class ProfileVelocity(ModeOfOperation):
         """Ramp to a velocity within 0x607F and the motor's; in a halt the ramp goes to 0."""
         shaft = self.shaft
         # Halt keeps 0x60FF: without it the ramp goes back to that velocity.
-        velocity = 0 if shaft.halted else shaft.bounded(rpm)
-        shaft.ramp(velocity, od.PROFILE_ACCELERATION, od.PROFILE_DECELERATION)
+        if shaft.halted:
+            shaft.ramp(0, od.PROFILE_ACCELERATION, shaft.halt_deceleration)
+        else:
+            shaft.ramp(shaft.bounded(rpm), od.PROFILE_ACCELERATION, od.PROFILE_DECELERATION)
 
     def status(self, *, failed: bool) -> int:
         """Bit 12: speed is 0; bit 13 is not used."""

@@ -112,10 +112,15 @@ class Shaft:
         regulate_position(self.axis)
         self.brake()
 
-    def halt(self) -> None:
-        """Ramp to standstill as 0x605D has it, or by 0x6084, and hold."""
+    @property
+    def halt_deceleration(self) -> Address:
+        """The object with the deceleration of a halt: as 0x605D has it, or 0x6084."""
         option = self.store.get(od.HALT_OPTION) if self._has_halt_option else 1
-        self.brake(HALT.get(option, od.PROFILE_DECELERATION))
+        return HALT.get(option, od.PROFILE_DECELERATION)
+
+    def halt(self) -> None:
+        """Ramp to standstill as in a halt, and hold."""
+        self.brake(self.halt_deceleration)
 
     def brake(self, address: Address = od.PROFILE_DECELERATION) -> None:
         """Ramp to standstill with the deceleration that an object holds, and hold."""

@@ -77,10 +77,12 @@ class Master:
 
 
 class PdoMaster(Master):
-    """Master that knows the drive by our data sheet, and receives its statusword with every SYNC."""
+    """Master that knows the drive by a data sheet, and receives its statusword with every SYNC."""
 
-    def __init__(self, world: World, wire: CanWire, sheet: Path) -> None:
-        super().__init__(world, wire, 1, canopen.import_od(str(sheet), node_id=1))
+    def __init__(self, world: World, wire: CanWire, sheet: Path | canopen.ObjectDictionary) -> None:
+        """`sheet`: a file, or what was read from one."""
+        read = canopen.import_od(str(sheet), node_id=1) if isinstance(sheet, Path) else sheet
+        super().__init__(world, wire, 1, read)
         # The library's limits are of the machine's clock; time is virtual here, and the machine may be busy.
         self.node.TIMEOUT_CHECK_TPDO = PATIENCE_S
         self._over = threading.Event()

@@ -34,7 +34,6 @@ from firmware_bridge.canopen.cia402 import PowerState, Status
 from firmware_bridge.canopen.emergency import NO_ERROR
 from firmware_bridge.families.epos2.wire import emergency
 from firmware_bridge.families.epos2.wire.functions import OutputFunction
-from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.families.epos2.wire.power_states import STATUSWORDS
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
@@ -72,9 +71,7 @@ class MotionControl:
         self._recorder = DataRecorder(store, axis)
         self._report_to = report
         self.pins: Final = Pins(store, axis)
-        self._modes = ModeSelector(
-            Shaft(store, axis, self.pins.inputs, IMPOSSIBLE), MODES, Mode.PROFILE_POSITION
-        )
+        self._modes = ModeSelector(Shaft(store, axis, self.pins.inputs, IMPOSSIBLE), MODES)
         delays = delays or Delays()
         states = PowerStates(
             leaving=LEAVING,

@@ -53,6 +53,7 @@ IMPORTED: Final[dict[str, set[str]]] = {
     "emulate --help": HELP,
     "emulate rars --help": HELP,
     "emulate epos2 --help": HELP,
+    "emulate cia402 --help": HELP,
     "emulate ar2 --help": HELP,
     "emulate board --help": HELP,
     "emulate board --firmware mw --serial /dev/nowhere": LINE,

@@ -1,0 +1,13 @@
+"""The plain servo at the command line."""
+
+from typing import Final
+
+from firmware_bridge.cli.commands import CliCommand, Row
+
+COMMANDS: Final[tuple[Row, ...]] = (
+    CliCommand(
+        "emulate cia402",
+        "emulators.cia402.commands.emulate:emulate",
+        "Put plain CiA 402 servos, of no maker, on a real CAN bus.",
+    ),
+)

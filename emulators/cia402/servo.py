@@ -1,0 +1,64 @@
+"""One emulated servo on a CAN bus: a CANopen slave with a drive of CiA 402 behind it."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+from emulators.canopen.identity import FIRST_NUMBER
+from emulators.canopen.object_store import ObjectStore
+from emulators.canopen.product import LayerSetting, Product
+from emulators.canopen.saved_parameters import Storage, Volatile
+from emulators.canopen.slave import CanopenSlave
+from emulators.cia402 import objects as at
+from emulators.cia402.errors import EMERGENCIES
+from emulators.cia402.motion_control import MotionControl
+from emulators.servo.axis import ServoAxis
+from firmware_bridge.canopen.cia301 import LAST_NODE
+from firmware_bridge.canopen.object_row import ObjectRow
+
+BIT_RATES: Final[Mapping[int, int]] = MappingProxyType(
+    {0: 1_000_000, 1: 800_000, 2: 500_000, 3: 250_000, 4: 125_000, 6: 50_000, 7: 20_000, 8: 10_000}
+)
+"""Bits a second by code (CiA 305); code 5 is reserved."""
+_NOT_SAVED: Final = frozenset(
+    {0x1003, 0x1010, 0x1011, 0x6040, 0x6060, 0x6071, 0x607A, 0x60B0, 0x60B1, 0x60B2, 0x60FE, 0x60FF}
+)
+"""Commands and set-points: a restart must not bring them back."""
+
+
+def _is_parameter(row: ObjectRow) -> bool:
+    return row.access.writable and row.address.index not in _NOT_SAVED
+
+
+PRODUCT: Final = Product(
+    name="CiA 402 servo",
+    layer_setting=LayerSetting(
+        node_number=at.NODE_NUMBER,
+        bit_rate=at.BIT_RATE,
+        bit_rate_in_use=at.BIT_RATE_IN_USE,
+        bit_rates=BIT_RATES,
+    ),
+    is_parameter=_is_parameter,
+    emergencies=EMERGENCIES,
+)
+
+
+class Servo(CanopenSlave):
+    """One servo. `node_id` is the setting of its switch; with 0 the saved number counts."""
+
+    def __init__(
+        self, node_id: int, axis: ServoAxis, *, storage: Storage | None = None, bus_rate: int | None = None
+    ) -> None:
+        """`storage` keeps saved parameters; at another bit rate than `bus_rate` it is off the bus."""
+        if not 0 <= node_id <= LAST_NODE:
+            raise ValueError(f"a switch gives a number between 0 and {LAST_NODE}, not {node_id}")
+        rates = {rate: code for code, rate in BIT_RATES.items()}
+        store = ObjectStore(
+            at.objects_of(axis.encoder_resolution),
+            node_id or FIRST_NUMBER,
+            {} if bus_rate is None else {at.BIT_RATE: rates[bus_rate]},
+        )
+        self.motion: Final = MotionControl(store, axis, self.report)
+        super().__init__(
+            node_id, store, PRODUCT, self.motion, storage=storage or Volatile(), bus_rate=bus_rate
+        )
