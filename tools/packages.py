@@ -66,12 +66,22 @@ PACKAGES: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("families/epos2/commissioning/*", ("unit/commissioning/*",)),
     (
         "families/epos2/driver/serial/*",
-        ("unit/serial_drive/*", "unit/drivers/*", "scenarios/test_serial_drive"),
+        (*EPOS2_DRIVER, "scenarios/test_serial_drive", "scenarios/test_serial_two_programs"),
     ),
-    ("families/ar2/driver/*", ("unit/ar2_driver/*", "scenarios/test_ar2_stories")),
-    ("families/motor_shield/driver/*", ("unit/shield/*", "failures/test_failures")),
+    (
+        "families/ar2/driver/*",
+        ("unit/ar2_driver/*", "unit/drivers/test_lost_board", "scenarios/test_ar2_stories"),
+    ),
+    (
+        "families/motor_shield/driver/*",
+        ("unit/shield/*", "unit/drivers/test_lost_board", "failures/test_failures"),
+    ),
     ("families/epos2/driver/stops", ("unit/bridge/*", "unit/drivers/*")),
     ("drivers/*stop*", ("unit/bridge/*", "unit/drivers/*")),
+    (
+        "families/epos2/driver/task_runner",
+        (*EPOS2_DRIVER, "unit/bridge/*", *HOMING, "scenarios/test_people_stories"),
+    ),
     ("families/epos2/driver/zero", (*EPOS2_DRIVER, "unit/bridge/test_zero", *HOMING)),
     ("families/epos2/driver/tasks", (*EPOS2_DRIVER, "unit/bridge/*", *HOMING)),
     ("families/epos2/driver/feedback", (*EPOS2_DRIVER, "unit/bridge/*", *HOMING)),
