@@ -251,7 +251,7 @@ class Line:
         self.moves = 0
         self.sent = 0
         """Number of the bridge's packets."""
-        self.mute = False
+        self.silent = False
         """Nothing of the board arrives."""
 
     def runs(self, time: Nanoseconds) -> None:
@@ -272,7 +272,7 @@ class Line:
                 assert driver.state is DriverState.ACTIVE
                 self.moves += 1
             self.sent += 1
-            for answer in () if self.mute else self.answers(packet):
+            for answer in () if self.silent else self.answers(packet):
                 waiting.extend(
                     self.link.receive(Packet(self.link.name, answer.address, answer.payload), self.now)
                 )
@@ -315,7 +315,7 @@ class ShieldLine(Line):
 
     def passes(self) -> tuple[Packet, ...]:
         sent: tuple[Packet, ...] = ()
-        for stated in () if self.mute else self._board.wake(self.now).sent:
+        for stated in () if self.silent else self._board.wake(self.now).sent:
             sent += self.link.receive(Packet(self.link.name, stated.address, stated.payload), self.now)
         return sent
 

@@ -103,7 +103,7 @@ def test_bytes_at_the_address_of_a_loss_are_no_loss(board: Board) -> None:
 
 
 def silent_for(board: Board, time: Nanoseconds) -> None:
-    board.mute = True
+    board.silent = True
     board.runs(time)
 
 
@@ -113,7 +113,7 @@ def test_a_board_that_is_silent_has_no_known_power_and_is_set_up_again_without_i
         silent_for(board, 2 * SECOND)
         assert powers(board) == {Power.UNKNOWN}
         assert not states(board) & {DriverState.ACTIVE, DriverState.INACTIVE}
-        board.mute = False
+        board.silent = False
         board.runs(LONG)
         assert states(board) == {DriverState.INACTIVE}
         begins(board, Transition.ACTIVATE)
@@ -122,7 +122,7 @@ def test_a_board_that_is_silent_has_no_known_power_and_is_set_up_again_without_i
 
 
 def test_a_board_that_never_answers_fails_and_gets_no_power(board: Board) -> None:
-    board.mute = True
+    board.silent = True
     for _ in range(2):
         begins(board, Transition.RECOVER)
         board.runs(20 * SECOND)
@@ -145,7 +145,7 @@ def test_reports_that_do_not_begin_are_a_failure(board: Board) -> None:
     assert states(board) == {DriverState.INACTIVE}
     for _ in range(2):
         begins(board, Transition.CONFIGURE, Task.START)
-        # No cycle asks for a sample; only the time goes on.
+        # No cycle requests a sample; only the time goes on.
         end = board.now + 20 * SECOND
         while board.now < end and not failures(board):
             board.now += MILLISECOND
