@@ -123,6 +123,10 @@ class ObjectStore:
         """Return the stored value of a number, whatever its access."""
         return self._numbers[address]
 
+    def get_or(self, address: Address, default: int) -> int:
+        """Return the stored value of a number that a device may have or not; `default` without it."""
+        return self._numbers.get(address, default)
+
     def set(self, address: Address, value: int) -> None:
         """Store a number without checks and hooks."""
         if self._numbers[address] != value:

@@ -76,12 +76,13 @@ HALT: Final[Mapping[int, Address]] = MappingProxyType(
 class QuickStop:
     """The quick stop of one device, by its 0x605A where it has one."""
 
-    def __init__(self, store: ObjectStore) -> None:
+    def __init__(self, store: ObjectStore, *, lasts: bool = False) -> None:
+        """`lasts`: the device stays in Quick stop active whatever the option is."""
         self._store: Final = store
-        self._has_option: Final = od.QUICK_STOP_OPTION in store.objects
+        self._lasts: Final = lasts
 
     def _row(self) -> QuickStopOption:
-        option = self._store.get(od.QUICK_STOP_OPTION) if self._has_option else WITHOUT_OPTION
+        option = self._store.get_or(od.QUICK_STOP_OPTION, WITHOUT_OPTION)
         return QUICK_STOP.get(option, QUICK_STOP[2])
 
     @property
@@ -92,4 +93,4 @@ class QuickStop:
     @property
     def lasts(self) -> bool:
         """True if the device stays in Quick stop active, with power."""
-        return self._row().lasts
+        return self._lasts or self._row().lasts

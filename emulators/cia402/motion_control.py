@@ -4,12 +4,14 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final
 
+from emulators.canopen.homing_methods import NOTHING_TO_DO
 from emulators.canopen.object_store import ObjectStore
 from emulators.canopen.power_states import CIA_402, Happening, leaving
 from emulators.cia402 import errors
 from emulators.cia402 import objects as at
 from emulators.cia402.cyclic import PER_MILLE, CyclicMode, CyclicPosition, CyclicTorque, CyclicVelocity
 from emulators.cia402.inputs import ServoInputs
+from emulators.cia402.variations import PLAIN, Traits
 from emulators.drive.brake import Brake
 from emulators.drive.device_control import DeviceControl
 from emulators.drive.homing import HomingMode
@@ -24,7 +26,15 @@ from emulators.servo.scaling import Settings, configure, raw_speed_rpm, speed_rp
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.cia402 import STATES, ControlwordCommand, Mode, PowerState, Status
+from firmware_bridge.canopen.cia402 import (
+    STATES,
+    ControlwordBit,
+    ControlwordCommand,
+    Mode,
+    PowerState,
+    Status,
+    command_of,
+)
 from firmware_bridge.canopen.emergency import NO_ERROR
 from firmware_bridge.units import MILLISECOND, NEVER, QUADCOUNTS_PER_LINE, Nanoseconds
 
@@ -61,24 +71,45 @@ NO_REACTION, FAULT_SIGNAL, DISABLE_VOLTAGE = 0, 1, 2
 """Values of 0x6007; 3 is a quick stop."""
 
 
+SYNCHRONIZES: Final = -1
+"""0x6061 while a mode is not taken yet, of a drive that takes its time."""
+
+
+class AddedOffset(HomingMode):
+    """Homing after which the position at home is 0x607C itself."""
+
+    @property
+    def home_position(self) -> int:
+        """The position that counts at home, qc."""
+        return self.shaft.store.get(od.HOME_OFFSET)
+
+
+def _modes(traits: Traits) -> dict[int, type[ModeOfOperation]]:
+    return MODES | {Mode.HOMING: AddedOffset} if traits.offset_added else MODES
+
+
 class MotionControl:
     """The servo's power states, modes and supervision: an `emulators.canopen.application.Application`."""
 
-    def __init__(self, store: ObjectStore, axis: ServoAxis, report: Callable[[int], None]) -> None:
+    def __init__(
+        self, store: ObjectStore, axis: ServoAxis, report: Callable[[int], None], traits: Traits = PLAIN
+    ) -> None:
         """Set hooks in the store; `report` takes emergency codes, and NO_ERROR when a fault was reset."""
         self.hung = False
         """A bench test's fault: controlwords and set-points are taken and not carried out."""
         self._store: Final = store
         self._axis: Final = axis
         self._report_to: Final = report
+        self._traits: Final = traits
         self._inputs: Final = ServoInputs(axis)
-        self._modes: Final = ModeSelector(Shaft(store, axis, self._inputs, errors.IMPOSSIBLE), MODES)
+        self._modes: Final = ModeSelector(Shaft(store, axis, self._inputs, errors.IMPOSSIBLE), _modes(traits))
         states = PowerStates(
             leaving=leaving(CIA_402),
             words=WORDS,
             timed=TIMED,
             lasts=lambda state: SELF_TEST if state is PowerState.NOT_READY_TO_SWITCH_ON else 0,
             entered=lambda _state: None,
+            quick_stop_lasts=traits.resumes,
         )
         self._power: Final = PowerSequence(store, axis, self._modes, Brake(), states)
         self._control: Final = DeviceControl(
@@ -94,6 +125,13 @@ class MotionControl:
         self._operational = False
         self._apart_since: Nanoseconds = NEVER
         """Begin of the present following error."""
+        self._period_written = False
+        self._commanded_at: Nanoseconds = -traits.controlword_gap
+        """Time of the newest controlword that was seen."""
+        self._mode_due: Nanoseconds = NEVER
+        """Time at which a mode that was written is taken."""
+        self._acknowledged = False
+        """Bit 12 as it is after enabling."""
         self._hook()
         self.reset()
 
@@ -109,6 +147,7 @@ class MotionControl:
         left, self._operational = self._operational and not operational, operational
         if left:
             self._abort_connection(NO_ERROR)
+        self._publish()
 
     def connection_lost(self) -> None:
         """Report a failure of heartbeat or guarding, and react by 0x6007."""
@@ -127,16 +166,21 @@ class MotionControl:
         self._axis.now = max(self._axis.now, now)
         self._control.attend()
         self._follow_error()
+        if self._axis.now >= self._mode_due:
+            self._mode_due = NEVER
+            self._change_mode(self._store.get(od.MODE))
         self._publish()
 
     def wake_at(self) -> Nanoseconds:
         """Return when `refresh` is needed next even if the axis raises no event."""
-        return min(self._power.due, self._apart_until)
+        return min(self._power.due, self._apart_until, self._mode_due)
 
     def reset(self) -> None:
         """Begin as after power-on, with the store's present values."""
         self._axis.restart()
-        self._apart_since = NEVER
+        self._apart_since = self._mode_due = NEVER
+        self._period_written = self._acknowledged = False
+        self._commanded_at = self._axis.now - self._traits.controlword_gap
         for address, name in SETTINGS.items():
             setattr(self._settings, name, self._store.get(address))
         self._settings.encoder_pulses = self._store.get(at.ENCODER_COUNTS) // QUADCOUNTS_PER_LINE
@@ -207,6 +251,7 @@ class MotionControl:
             store.on_write(address, partial(self._take_current, address))
         store.on_write(od.CONTROLWORD, self._take_controlword)
         store.on_write(od.MODE, self._take_mode)
+        store.on_write(at.PERIOD, self._take_period)
         store.on_write(od.HOMING_METHOD, self._check_method)
         for address in HEEDED:
             store.on_write(address, partial(self._take_value, address))
@@ -235,30 +280,60 @@ class MotionControl:
         configure(self._axis, self._settings)
 
     def _take_controlword(self, word: int) -> None:
-        if not self.hung:
-            self._control.command(word)
-            self._publish()
+        if self.hung or self._axis.now - self._commanded_at < self._traits.controlword_gap:
+            return
+        self._commanded_at = self._axis.now
+        if self._may_not_enable and command_of(word) is ControlwordCommand.ENABLE_OPERATION:
+            return
+        was_free, before = self._power.free, self._power.controlword
+        self._control.command(word)
+        if self._power.free and not was_free:
+            self._acknowledged = self._traits.acknowledged_when_enabled
+        elif (word ^ before) & ControlwordBit.NEW_SETPOINT:
+            self._acknowledged = False
+        self._publish()
+
+    @property
+    def _may_not_enable(self) -> bool:
+        traits = self._traits
+        without = traits.period_first and not self._period_written
+        return without or (traits.mode_first and self._modes.number == Mode.NONE)
 
     def _take_mode(self, number: int) -> None:
         if number not in MODES and number != Mode.NONE:
             raise SdoAbort(AbortCode.RANGE, od.MODE)
+        traits = self._traits
+        halted = traits.mode_not_halted and self._power.controlword & ControlwordBit.HALT
+        if halted or (traits.mode_without_power and self._power.state is PowerState.OPERATION_ENABLED):
+            return
+        if traits.mode_takes:
+            self._mode_due = self._axis.now + traits.mode_takes
+            self._store.set(od.MODE_DISPLAY, SYNCHRONIZES)
+            return
+        self._change_mode(number)
+
+    def _change_mode(self, number: int) -> None:
         self._modes.change(number, enabled=self._power.free)
         self._store.set(od.MODE_DISPLAY, number)
         self._publish()
+
+    def _take_period(self, _value: int) -> None:
+        self._period_written = True
 
     def _take_value(self, address: Address, value: int) -> None:
         if self._power.free and not self.hung:
             self._modes.written(address, value)
 
-    @staticmethod
-    def _check_method(method: int) -> None:
-        if method not in HomingMode.methods:
+    def _check_method(self, method: int) -> None:
+        if method not in HomingMode.methods or (method == NOTHING_TO_DO and self._traits.no_method_0):
             raise SdoAbort(AbortCode.RANGE, od.HOMING_METHOD)
 
     # Statusword
 
     def _publish(self) -> None:
-        word, mode = self._power.word | int(Status.REMOTE), self._modes.mode
+        word, mode = self._power.word, self._modes.mode
+        if self._operational or not self._traits.remote_when_operational:
+            word |= Status.REMOTE
         if not self._axis.flags & errors.SUPPLY_LOW:
             word |= VOLTAGE_ENABLED
         if self._power.free and mode.arrived:
@@ -269,4 +344,6 @@ class MotionControl:
         failed = errors.FOLLOWING_ERROR in self._control.errors.codes or self._apart_since != NEVER
         if self._power.free or failed:
             word |= mode.status(failed=failed)
+        if self._acknowledged and self._power.free:
+            word |= Status.SETPOINT_ACKNOWLEDGED
         self._store.set(od.STATUSWORD, word)

@@ -4,7 +4,7 @@ Sources: CiA 301 v4.02; CiA 402-2, whose defaults are those of the profile's EDS
 of the encoder, speeds in revolutions a minute, torques and currents in thousandths of the rated ones.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Final
 
 from firmware_bridge.canopen.address import Address
@@ -300,6 +300,7 @@ def _own() -> Iterator[ObjectRow]:
     yield _row(0x2002, 0, "Bit Rate in Use", _U8, _RO, source=OWN)
 
 
-def objects_of(counts: int) -> ObjectDictionary:
-    """Return the dictionary of a servo whose encoder has so many counts in a turn."""
-    return ObjectDictionary((*_communication(), *_pdos(), *_own(), *_PROFILE, *_encoder(counts)))
+def objects_of(counts: int, absent: Collection[int] = ()) -> ObjectDictionary:
+    """Return the dictionary of a servo whose encoder has so many counts in a turn, without some indexes."""
+    rows = (*_communication(), *_pdos(), *_own(), *_PROFILE, *_encoder(counts))
+    return ObjectDictionary(row for row in rows if row.address.index not in absent)

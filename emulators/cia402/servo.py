@@ -1,6 +1,7 @@
 """One emulated servo on a CAN bus: a CANopen slave with a drive of CiA 402 behind it."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
@@ -12,9 +13,13 @@ from emulators.canopen.slave import CanopenSlave
 from emulators.cia402 import objects as at
 from emulators.cia402.errors import EMERGENCIES
 from emulators.cia402.motion_control import MotionControl
+from emulators.cia402.variations import PLAIN, Traits
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.canopen.cia301 import LAST_NODE
+from firmware_bridge.canopen.abort import AbortCode, SdoAbort
+from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import COB_ID_NO_REMOTE, LAST_NODE
 from firmware_bridge.canopen.object_row import ObjectRow
+from firmware_bridge.canopen.pdo import TRANSMIT_PARAMETER
 
 BIT_RATES: Final[Mapping[int, int]] = MappingProxyType(
     {0: 1_000_000, 1: 800_000, 2: 500_000, 3: 250_000, 4: 125_000, 6: 50_000, 7: 20_000, 8: 10_000}
@@ -43,22 +48,37 @@ PRODUCT: Final = Product(
 )
 
 
+def _has_no_remote(cob_id: int) -> None:
+    if not cob_id & COB_ID_NO_REMOTE:
+        raise SdoAbort(AbortCode.RANGE)
+
+
 class Servo(CanopenSlave):
     """One servo. `node_id` is the setting of its switch; with 0 the saved number counts."""
 
     def __init__(
-        self, node_id: int, axis: ServoAxis, *, storage: Storage | None = None, bus_rate: int | None = None
+        self,
+        node_id: int,
+        axis: ServoAxis,
+        traits: Traits = PLAIN,
+        *,
+        storage: Storage | None = None,
+        bus_rate: int | None = None,
     ) -> None:
         """`storage` keeps saved parameters; at another bit rate than `bus_rate` it is off the bus."""
         if not 0 <= node_id <= LAST_NODE:
             raise ValueError(f"a switch gives a number between 0 and {LAST_NODE}, not {node_id}")
         rates = {rate: code for code, rate in BIT_RATES.items()}
         store = ObjectStore(
-            at.objects_of(axis.encoder_resolution),
+            at.objects_of(axis.encoder_resolution, traits.absent),
             node_id or FIRST_NUMBER,
             {} if bus_rate is None else {at.BIT_RATE: rates[bus_rate]},
         )
-        self.motion: Final = MotionControl(store, axis, self.report)
+        self.motion: Final = MotionControl(store, axis, self.report, traits)
+        if traits.keeps_no_remote:
+            for place in range(at.PDOS):
+                store.on_write(Address(TRANSMIT_PARAMETER + place, 1), _has_no_remote)
+        product = replace(PRODUCT, boot_time=traits.boot_time, transmit_types=traits.transmit_types)
         super().__init__(
-            node_id, store, PRODUCT, self.motion, storage=storage or Volatile(), bus_rate=bus_rate
+            node_id, store, product, self.motion, storage=storage or Volatile(), bus_rate=bus_rate
         )

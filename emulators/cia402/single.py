@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from emulators.cia402.servo import Servo
+from emulators.cia402.variations import PLAIN, Traits
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import SUPPLY_MV, DcMotor, DcMotors
@@ -12,6 +13,7 @@ from emulators.servo.winding import set_winding
 def servos(
     nodes: Sequence[int],
     motor: DcMotor,
+    traits: Traits = PLAIN,
     *,
     counts: int,
     supply_mv: int = SUPPLY_MV,
@@ -21,5 +23,8 @@ def servos(
     axes = [ServoAxis(f"servo{node}", counts, supply_mv=supply_mv) for node in nodes]
     for axis in axes:
         set_winding(axis, motor.torque_constant, motor.resistance, motor.inductance)
-    made = {axis.name: Servo(node, axis, bus_rate=bus_rate) for axis, node in zip(axes, nodes, strict=True)}
+    made = {
+        axis.name: Servo(node, axis, traits, bus_rate=bus_rate)
+        for axis, node in zip(axes, nodes, strict=True)
+    }
     return made, ServoBank(DcMotors((motor,) * len(axes)), axes)

@@ -1,9 +1,9 @@
-"""Homing mode: the moves of a method, then the home offset; that sets the position.
+"""Homing mode: the moves of a method, then the way to home; that sets the position.
 
 The moves are rows in `emulators.canopen.homing_methods`; a product's subclass names those that it has, and
-its objects. Assumed: the next move begins with a ramp out of the last one; the offset 0x607C is a signed
-distance from the reference, moved at the speed of the switch search; a halt ends a homing for good; what a
-method needs and the drive has not got (a switch, a sensor with index) is a homing error at once.
+its objects. Assumed: the next move begins with a ramp out of the last one; the way to home at the end is
+moved at the speed of the switch search; a halt ends a homing for good; what a method needs and the drive has
+not got (a switch, a sensor with index) is a homing error at once.
 """
 
 from collections.abc import Mapping
@@ -99,7 +99,12 @@ class HomingMode(ModeOfOperation):
 
     @property
     def home_position(self) -> int:
-        """The position that counts at home, qc."""
+        """The position that counts at home, qc: zero lies 0x607C beyond it."""
+        return -self.shaft.store.get(od.HOME_OFFSET)
+
+    @property
+    def moved_offset(self) -> int:
+        """The way from the reference to home, qc, which is moved at the end."""
         return 0
 
     @property
@@ -168,7 +173,7 @@ class HomingMode(ModeOfOperation):
     def _go_offset(self) -> None:
         shaft, axis = self.shaft, self.shaft.axis
         # From the latched reference: the ramp down from the search speed has led past it.
-        target = self._reference + shaft.store.get(od.HOME_OFFSET)
+        target = self._reference + self.moved_offset
         if not LOWEST <= target <= HIGHEST:
             self._fail()
             return

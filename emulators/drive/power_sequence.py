@@ -34,6 +34,8 @@ class PowerStates:
     """How long one of them lasts."""
     entered: Callable[[PowerState], None]
     """Called with each state that begins."""
+    quick_stop_lasts: bool = False
+    """True if Quick stop active lasts whatever 0x605A holds."""
 
 
 RESUMES: Final = 16
@@ -51,7 +53,7 @@ class PowerSequence:
         self._axis = axis
         self._modes = modes
         self._states = states
-        self._quick_stop: Final = QuickStop(store)
+        self._quick_stop: Final = QuickStop(store, lasts=states.quick_stop_lasts)
         self.state = PowerState.START
         self.word = states.words[PowerState.START]
         """The state's bits of the statusword."""
@@ -159,7 +161,7 @@ class PowerSequence:
         return self._modes.shaft.stopped and self._brake.closes()
 
     def _slows_down(self, ramp: RampOption) -> bool:
-        return ramp is not RampOption.NONE and self._store.get(RAMP_OPTIONS[ramp]) == 1
+        return ramp is not RampOption.NONE and self._store.get_or(RAMP_OPTIONS[ramp], 0) == 1
 
     def _complete(self, row: Transition) -> None:
         self._completing = None

@@ -55,7 +55,6 @@ class Shaft:
         self.inputs: Final = inputs
         self.axis: Final = axis
         self.impossible: Final = impossible
-        self._has_halt_option: Final = od.HALT_OPTION in store.objects
         self.halted = False
         """Bit 8 of the controlword is up, in a mode that heeds it."""
         self.referenced = False
@@ -115,8 +114,7 @@ class Shaft:
     @property
     def halt_deceleration(self) -> Address:
         """The object with the deceleration of a halt: as 0x605D has it, or 0x6084."""
-        option = self.store.get(od.HALT_OPTION) if self._has_halt_option else 1
-        return HALT.get(option, od.PROFILE_DECELERATION)
+        return HALT.get(self.store.get_or(od.HALT_OPTION, 1), od.PROFILE_DECELERATION)
 
     def halt(self) -> None:
         """Ramp to standstill as in a halt, and hold."""

@@ -109,7 +109,7 @@ class StandingErrors:
             return ErrorReaction.DISABLE
         if row.reaction is FaultReaction.NONE:
             return ErrorReaction.NONE
-        option = self._store.get(od.FAULT_REACTION_OPTION)
+        option = self._store.get_or(od.FAULT_REACTION_OPTION, 2)
         return self.supervision.fault_options.get(option, ErrorReaction.QUICK_STOP)
 
     def cured_by_communication_reset(self) -> None:

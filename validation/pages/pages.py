@@ -23,6 +23,7 @@ from validation.pages import (
     serial_commands,
     state_diagram,
     stations,
+    variations,
 )
 from validation.pages.page_texts import (
     COMMANDS_TEXT,
@@ -78,6 +79,7 @@ def pages(
         "fidelity.md": _fidelity(),
         "fidelity-arduino.md": _board_fidelity(),
         "fidelity-motion-capture.md": _page(*capture_fidelity.parts(table)),
+        "variations.md": _page(*variations.parts(table)),
         "emergencies.md": _emergencies(tests),
         "power-machine.md": _machine(),
         "opcodes.md": _opcodes(commands),

@@ -7,7 +7,7 @@ import typer
 
 from emulators.cli.emulation import Emulation, emulating
 from emulators.servo.motor import MOTOR, SUPPLY_MV, DcMotor
-from firmware_bridge.cli.console import refusal
+from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, DurationOption, InterfaceOption
 from firmware_bridge.cli.outside import Outside
 from firmware_bridge.cli.recorded import RecordOption
@@ -19,7 +19,9 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge emulate cia402 --node 1 -i socketcan -c vcan0`
 
-`firmware-bridge emulate cia402 --node 1-3 --encoder 1024 --load 5e-5,0.002 -i socketcan -c vcan0`"""
+`firmware-bridge emulate cia402 --node 1-3 --encoder 1024 --load 5e-5,0.002 -i socketcan -c vcan0`
+
+`firmware-bridge emulate cia402 --variation late-boot-up,period-first -i socketcan -c vcan0`"""
 DEFAULT_BIT_RATE: Final = 1_000_000
 
 
@@ -50,6 +52,14 @@ class ServoOptions:
     supply: Annotated[
         float, typer.Option(min=0.0, max=100.0, metavar="VOLTS", help="Supply voltage of the power stages.")
     ] = SUPPLY_MV / 1000
+    variation: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME[,NAME]",
+            help="What a difficult but lawful drive does otherwise; docs/variations.md has the names.",
+            show_default=False,
+        ),
+    ] = None
     record: RecordOption = None
     duration: DurationOption = None
 
@@ -58,6 +68,7 @@ def start(given: ServoOptions) -> Emulation:
     """Make the servos of `emulate cia402`; an error ends the program with a message."""
     from emulators.cia402.servo import BIT_RATES
     from emulators.cia402.single import servos
+    from emulators.cia402.variations import PLAIN, VariationError, traits_of
     from emulators.cli.watched import RollCalled, duplicates_reported
     from emulators.gateway import Cluster
     from firmware_bridge.cli.links import opened
@@ -67,9 +78,12 @@ def start(given: ServoOptions) -> Emulation:
     rate = given.bit_rate or DEFAULT_BIT_RATE
     if rate not in BIT_RATES.values():
         raise refusal(f"--bitrate {rate}: the servo knows {', '.join(map(str, BIT_RATES.values()))}")
+    with one_message(VariationError):
+        traits = traits_of(given.variation.split(",")) if given.variation else PLAIN
     made, bank = servos(
         nodes,
         _motor(given.load),
+        traits,
         counts=QUADCOUNTS_PER_LINE * given.encoder,
         supply_mv=round(given.supply * 1000),
         bus_rate=rate,
@@ -81,7 +95,7 @@ def start(given: ServoOptions) -> Emulation:
         opened=lambda: opened(outside, "", 0, DEFAULT_BIT_RATE, any_rate=True),
         text=lambda where: (
             f"CiA 402 servo on {where}: node {given.node}; encoder with {given.encoder} pulses, "
-            f"load {given.load} (kg m2, N m)"
+            f"load {given.load} (kg m2, N m){_varied(given.variation)}"
         ),
         files={CAN: CAN_LOG},
         around=lambda node: RollCalled(node, places),
@@ -98,6 +112,10 @@ def _motor(load: str) -> DcMotor:
     return DcMotor(
         MOTOR.resistance, MOTOR.inductance, MOTOR.torque_constant, inertia, friction, MOTOR.damping
     )
+
+
+def _varied(variation: str | None) -> str:
+    return "" if variation is None else f"; {variation}"
 
 
 emulate: Final = emulating(ServoOptions, EXAMPLES, start)

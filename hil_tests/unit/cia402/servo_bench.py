@@ -3,6 +3,7 @@
 from typing import Final
 
 from emulators.cia402.servo import Servo
+from emulators.cia402.variations import traits_of
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import MOTOR, DcMotors
@@ -22,12 +23,12 @@ SHUTDOWN, SWITCH_ON, ENABLE, QUICK_STOP, DISABLE, RESET = 0x06, 0x07, 0x0F, 0x02
 class ServoBench:
     """The servo, its motor, and every frame that it has sent."""
 
-    def __init__(self) -> None:
+    def __init__(self, *variations: str) -> None:
         self.axis = ServoAxis("a", COUNTS)
         self.plant = DcMotors((MOTOR,))
         set_winding(self.axis, MOTOR.torque_constant, MOTOR.resistance, MOTOR.inductance)
         self.bank = ServoBank(self.plant, [self.axis])
-        self.servo = Servo(NODE, self.axis)
+        self.servo = Servo(NODE, self.axis, traits_of(variations))
         self.now: Nanoseconds = 0
         self.frames: list[str] = []
         self.states: list[PowerState | None] = []

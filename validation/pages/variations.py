@@ -1,0 +1,29 @@
+"""The plain servo's page: difficult but lawful drives by name, and the emulation's own assumptions."""
+
+from typing import Final
+
+from emulators.cia402.variations import VARIATIONS
+from validation.pages import board_fidelity
+from validation.pages.capture_fidelity import Table
+
+TITLE: Final = "Variations of the emulated CiA 402 servo"
+FOLDER: Final = "cia402"
+TEXT: Final = (
+    "[`emulate cia402`](clients.md) puts a servo of no maker on a bus. Drives in the field are lawful, and "
+    "yet do what masters do not expect: with `--variation NAME[,NAME]` it does that, too. Without one it "
+    "does what the standard has."
+)
+
+
+def parts(table: Table) -> tuple[str, ...]:
+    """Return the page's title and its parts; `table` makes a table of headings and rows."""
+    return (
+        TITLE,
+        TEXT,
+        table(
+            ("variation", "what it does", "seen"),
+            ((f"`{name}`", row.text, row.seen) for name, row in VARIATIONS.items()),
+        ),
+        "## Stated assumptions",
+        table(("assumption", "file"), board_fidelity.assumptions(FOLDER)),
+    )
