@@ -1,5 +1,6 @@
 """The simulation's commands, as rows; those of a family of devices are its own."""
 
+from pathlib import Path
 from typing import Any, Final
 
 from firmware_bridge.cli.commands import CliCommand, Group, Row, Rows
@@ -9,9 +10,30 @@ class ByName(Rows):
     """Group that runs `robot` for words that are none of its commands, options in front included."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Put the default command in front of words that name none."""
-        known = args[0] in self.commands
-        return super().resolve_command(ctx, args if known else ["robot", *args])
+        """Put the default command in front of words that name none; refuse what is no robot either."""
+        word = args[0]
+        if word not in self.commands:
+            # A family of another package is looked for when it is wanted.
+            self.complete()
+        if word in self.commands:
+            return super().resolve_command(ctx, args)
+        if not word.startswith("-"):
+            self._is_robot(word)
+        return super().resolve_command(ctx, ["robot", *args])
+
+    def _is_robot(self, word: str) -> None:
+        from firmware_bridge.cli.console import refusal
+        from firmware_bridge.robot_types import SIGN, names
+
+        robots, name = names(), word.partition(SIGN)[0]
+        # A folder of that name may be a package that is not installed yet: the robot's message has it.
+        if word.endswith(".toml") or name in robots or Path(name).is_dir():
+            return
+        families = sorted(set(self.commands) - {"robot"})
+        raise refusal(
+            f"emulate {word}: no such family or robot; there are the families {', '.join(families)} "
+            f"and the robots {', '.join(robots)} (a path to a .toml file works, too)"
+        )
 
 
 COMMANDS: Final[tuple[Row, ...]] = (
@@ -54,10 +76,10 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "emulate",
         """Put emulated devices on a real CAN bus or a serial line, in real time.
 
-`emulate FAMILY` emulates devices of one family alone, with its own options: `epos2` drives, `motor_shield`,
-or `board`, an Arduino with a motor shield, `ar2` the board of an arm, `motion_capture`, or `capture`,
-cameras. `emulate ROBOT` emulates the devices and the plant of a robot; the word `robot` in front of the
-robot's name may be left out.""",
+`emulate FAMILY` emulates devices of one family alone, with its own options: `epos2` drives, `cia402` plain
+servos, `motor_shield`, or `board`, an Arduino with a motor shield, `ar2` the board of an arm,
+`motion_capture`, or `capture`, cameras. `emulate ROBOT` emulates the devices and the plant of a robot; the
+word `robot` in front of the robot's name may be left out.""",
         """Examples:
 
 `firmware-bridge emulate rars -i socketcan -c vcan0`

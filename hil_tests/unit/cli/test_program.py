@@ -117,7 +117,7 @@ def test_a_wrong_robot_file_is_refused_by_file_and_key(
         assert line.startswith(f"{path}: {message}")
 
 
-@pytest.mark.parametrize("command", ["bench", "drive", "emulate"])
+@pytest.mark.parametrize("command", ["bench", "drive"])
 def test_an_unknown_robot_is_answered_with_those_that_there_are(command: str) -> None:
     assert run(command, "r2d2") == (
         2,
