@@ -8,6 +8,8 @@ from typing import Any, Final
 
 from pymavlink.dialects.v20 import common as mavlink
 
+from hil_tests.ports import free_port
+
 EVERY_S: Final = 0.05
 REQUEST_CONTROL: Final = 32100
 STOP: Final = 21196
@@ -31,9 +33,7 @@ class Station:
 
     def __init__(self, port: int | None = None, system: int = 255) -> None:
         """Speak to a bridge at a port of its own, or at this one."""
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-            free.bind(("127.0.0.1", 0))
-            self.port: Final[int] = free.getsockname()[1] if port is None else port
+        self.port: Final[int] = free_port() if port is None else port
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.settimeout(0.0)
         self._link = mavlink.MAVLink(_Wire(self._socket, ("127.0.0.1", self.port)), system, 190)

@@ -17,6 +17,7 @@ from pymavlink.dialects.v20 import common as mavlink
 from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.lanes import HUNG_S
+from hil_tests.ports import free_port
 
 PROGRAM = Path(sys.executable).with_name("firmware-bridge")
 WITHIN: Final = 30 * SECOND
@@ -116,12 +117,6 @@ def operator() -> Iterator[Operator]:
     made = Operator(free_port())
     yield made
     made.leaves()
-
-
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def test_the_robot_is_armed_over_the_line_loses_it_and_is_armed_again(

@@ -1,8 +1,7 @@
 """Ports on this machine: python-can's virtual bus, UDP on loopback, and what they say when they cannot."""
 
-import socket
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 
 import can
@@ -15,6 +14,7 @@ from firmware_bridge.runtime.ports.python_can import Echoes
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.can import EXTENDED, REMOTE
 from firmware_bridge.wire.internet import number_of
+from hil_tests.ports import free_port
 
 FRAMES = [
     (0x123, b"\1\2\3"),
@@ -237,9 +237,7 @@ def test_a_datagram_carries_the_place_it_came_from_and_goes_where_its_number_sta
 
 
 def test_a_caller_whom_no_one_answers_goes_on_calling() -> None:
-    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as free:
-        free.bind(("127.0.0.1", 0))
-        number = free.getsockname()[1]
+    number = free_port()
     caller = UdpPort(f"udpout:127.0.0.1:{number}")
     with opened(caller):
         for _ in range(3):
@@ -275,3 +273,10 @@ def test_a_port_in_use_states_so() -> None:
 def test_a_link_that_cannot_be_states_why(link: str, message: str) -> None:
     with pytest.raises(PortError, match=message):
         UdpPort(link)
+
+
+def test_a_number_for_a_test_is_given_once_and_by_no_system_meanwhile() -> None:
+    numbers = [free_port() for _ in range(500)]
+    assert len(set(numbers)) == len(numbers)
+    # What a system hands out by itself begins at 32768 on Linux, and at 49152 elsewhere.
+    assert max(numbers) < 32_768
