@@ -4,7 +4,8 @@ Source: CiA 301 v4.02, process data objects; v4.2 for the time-out of receive PD
 SYNC transmit PDOs are sampled before receive PDOs are taken over; a value that its object refuses is dropped
 and the PDO's other values count; a PDO without entries is silent; remote requests know no inhibit time; the
 first SYNC in Operational sends a PDO of type 0, and is the first of those that types 1 to 240 count; the
-event timer of a transmit PDO runs from the start on, a receive PDO's from its first message.
+event timer of a transmit PDO runs from the start on, a receive PDO's from its first message; before a SYNC a
+PDO of type 252 answers with the present values.
 """
 
 from collections.abc import Callable

@@ -7,6 +7,7 @@ faster than 0x607F and 0x6080, is shortened, and bit 11 shows that; halt brakes,
 it counts. Not described here: torque offsets in position and velocity mode.
 """
 
+from abc import ABC, abstractmethod
 from typing import ClassVar, Final
 
 from emulators.cia402 import objects as at
@@ -15,6 +16,7 @@ from emulators.drive.shaft import Shaft
 from emulators.servo import spline
 from emulators.servo.axis import CURRENT, DIRECT
 from emulators.servo.commands import regulate_position, regulate_velocity
+from emulators.servo.scaling import speed_units
 from emulators.servo.spline import SplineSegment
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
@@ -25,7 +27,7 @@ _FOLLOWS: Final = int(Status.SETPOINT_ACKNOWLEDGED)
 """Bit 12 in these modes: the drive follows the command value."""
 
 
-class CyclicMode(ModeOfOperation):
+class CyclicMode(ModeOfOperation, ABC):
     """A mode whose set-points count when they are written, and whenever the mode begins."""
 
     heeds_halt: ClassVar[bool] = True
@@ -36,8 +38,12 @@ class CyclicMode(ModeOfOperation):
         """The newest set-point was beyond a limit: bit 11."""
 
     def enter(self) -> None:
-        """Follow what the objects hold by now."""
-        self._follow({})
+        """Follow what the objects hold by now; in a halt come to standstill."""
+        # Masters enable with bit 8 set, and with a set-point of before: that must move nothing.
+        if self.shaft.halted:
+            self.shaft.hold()
+        else:
+            self._follow({})
 
     def forget(self) -> None:
         """Drop the limit."""
@@ -52,9 +58,9 @@ class CyclicMode(ModeOfOperation):
         if not self.shaft.halted:
             self._follow({address: value})
 
+    @abstractmethod
     def _follow(self, new: dict[Address, int]) -> None:
         """Go by the objects; `new` holds those that the store has not got yet."""
-        raise NotImplementedError
 
     def _sum(self, new: dict[Address, int], *addresses: Address) -> int:
         store = self.shaft.store
@@ -100,7 +106,7 @@ class CyclicVelocity(CyclicMode):
         axis.profile = DIRECT
         speed = self.shaft.bounded(wanted)
         axis.velocity_demand = axis.target_velocity = speed
-        self.limited = abs(speed) == self.shaft.fastest() and wanted != 0
+        self.limited = speed != speed_units(axis, wanted)
 
 
 class CyclicTorque(CyclicMode):

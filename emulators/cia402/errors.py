@@ -1,6 +1,7 @@
 """The servo's errors: emergencies of CiA 301 and CiA 402, and what it supervises.
 
-Source: CiA 402-2, error codes. Assumed: which of them allow a ramp, and that each is cured by a fault reset.
+Source: CiA 402-2, error codes. Assumed: the codes of the two limit switches,
+which errors allow a ramp, and that each is cured by a fault reset.
 """
 
 from collections.abc import Mapping

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import Final
+from typing import ClassVar, Final
 
 from emulators.canopen.homing_methods import NOTHING_TO_DO
 from emulators.canopen.object_store import ObjectStore
@@ -38,7 +38,15 @@ from firmware_bridge.canopen.cia402 import (
 from firmware_bridge.canopen.emergency import NO_ERROR
 from firmware_bridge.units import MILLISECOND, NEVER, QUADCOUNTS_PER_LINE, Nanoseconds
 
+
+class Standing(ModeOfOperation):
+    """No mode: it holds the shaft, and notes a halt for the mode that follows."""
+
+    heeds_halt: ClassVar[bool] = True
+
+
 MODES: Final[dict[int, type[ModeOfOperation]]] = {
+    Mode.NONE: Standing,
     Mode.PROFILE_POSITION: ProfilePosition,
     Mode.PROFILE_VELOCITY: ProfileVelocity,
     Mode.HOMING: HomingMode,
@@ -300,7 +308,7 @@ class MotionControl:
         return without or (traits.mode_first and self._modes.number == Mode.NONE)
 
     def _take_mode(self, number: int) -> None:
-        if number not in MODES and number != Mode.NONE:
+        if number not in MODES:
             raise SdoAbort(AbortCode.RANGE, od.MODE)
         traits = self._traits
         halted = traits.mode_not_halted and self._power.controlword & ControlwordBit.HALT

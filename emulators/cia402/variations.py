@@ -4,7 +4,7 @@ Each row is what a maker's drive was seen to do, and where. Several may be put o
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
 from typing import Final
 
@@ -61,94 +61,90 @@ class Variation:
 
     text: str
     seen: str
-    traits: Mapping[str, object]
-
-
-def _row(text: str, seen: str, **traits: object) -> Variation:
-    return Variation(text, seen, MappingProxyType(traits))
+    traits: Traits
 
 
 VARIATIONS: Final[Mapping[str, Variation]] = MappingProxyType(
     {
-        "late-boot-up": _row(
+        "late-boot-up": Variation(
             "Its boot-up message comes 1.5 s after a reset.",
             "Ingenia, ros2_canopen issue 36: the driver waits 1 s by default",
-            boot_time=1_500 * MILLISECOND,
+            Traits(boot_time=1_500 * MILLISECOND),
         ),
-        "period-first": _row(
+        "period-first": Variation(
             "It is not enabled before 0x60C2:1 was written.",
             "Delta ASDA, hal-cia402 issue 3; EPOS4, ros2_canopen issue 405",
-            period_first=True,
+            Traits(period_first=True),
         ),
-        "mode-first": _row(
+        "mode-first": Variation(
             "It is not enabled in mode 0.",
             "Nanotec PD4-C, ros_canopen pull request 331; Schunk, ros_canopen pull request 112",
-            mode_first=True,
+            Traits(mode_first=True),
         ),
-        "remote-when-operational": _row(
+        "remote-when-operational": Variation(
             "Bit 9 of the statusword is 0 until the node is Operational.",
             "maxon EPOS2, recorded",
-            remote_when_operational=True,
+            Traits(remote_when_operational=True),
         ),
-        "no-mode-while-halted": _row(
+        "no-mode-while-halted": Variation(
             "A mode that is written while halt is 1 is not taken: 0x6061 stays as it is.",
             "Engel HBI3760, ros2_canopen issue 234: that master halts while it changes the mode",
-            mode_not_halted=True,
+            Traits(mode_not_halted=True),
         ),
-        "mode-without-power": _row(
+        "mode-without-power": Variation(
             "A mode that is written in Operation enabled is not taken: 0x6061 stays as it is.",
             "Schunk and Elmo, ipa_canopen pull request 29; SOEM issue 510",
-            mode_without_power=True,
+            Traits(mode_without_power=True),
         ),
-        "mode-synchronizes": _row(
+        "mode-synchronizes": Variation(
             "0x6061 shows -1 for 5 s after a mode was written.",
             "Festo CMMP-AS, ros_canopen issue 457: masters wait 5 s",
-            mode_takes=5 * SECOND,
+            Traits(mode_takes=5 * SECOND),
         ),
-        "resumes-after-quick-stop": _row(
+        "resumes-after-quick-stop": Variation(
             "0x000F leads from Quick stop active to Operation enabled although 0x605A is 2.",
             "Elmo Platinum, jsd pull request 93",
-            resumes=True,
+            Traits(resumes=True),
         ),
-        "slow-controlword": _row(
+        "slow-controlword": Variation(
             "A controlword less than 1 ms after the one before is not seen.",
             "Technosoft iPOS, yarp-devices issue 215",
-            controlword_gap=MILLISECOND,
+            Traits(controlword_gap=MILLISECOND),
         ),
-        "no-supported-modes": _row(
+        "no-supported-modes": Variation(
             "There is no 0x6502.",
             "ros2_canopen issue 268; Faulhaber MCBL 3150 (its EDS)",
-            absent=frozenset({0x6502}),
+            Traits(absent=frozenset({0x6502})),
         ),
-        "no-option-codes": _row(
+        "no-option-codes": Variation(
             "There are no 0x605A to 0x605E: a quick stop lasts, with power.",
             "Faulhaber MCBL 3150 (its EDS); maxon EPOS2 has no 0x605A and 0x605D",
-            absent=frozenset({0x605A, 0x605B, 0x605C, 0x605D, 0x605E}),
+            Traits(absent=frozenset({0x605A, 0x605B, 0x605C, 0x605D, 0x605E})),
         ),
-        "statusword-by-event": _row(
+        "statusword-by-event": Variation(
             "Its transmit PDOs are sent on events and requests only, never with SYNC.",
             "assumed, of drives with fixed PDOs; canopen's profile then goes by the last one that came",
-            transmit_types=frozenset({*EVENT_DRIVEN, ON_REQUEST}),
+            Traits(transmit_types=frozenset({*EVENT_DRIVEN, ON_REQUEST})),
         ),
-        "keeps-no-remote": _row(
+        "keeps-no-remote": Variation(
             "The COB-ID of a transmit PDO is refused without bit 30.",
             "Roboteq FBL2360T, canopen pull request 228",
-            keeps_no_remote=True,
+            Traits(keeps_no_remote=True),
         ),
-        "acknowledged-when-enabled": _row(
+        "acknowledged-when-enabled": Variation(
             "Bit 12 of the statusword is 1 after enabling, until bit 4 of the controlword changes.",
             "canopen issue 678",
-            acknowledged_when_enabled=True,
+            Traits(acknowledged_when_enabled=True),
         ),
-        "offset-added": _row(
+        "offset-added": Variation(
             "At home 0x6064 is 0x607C, not its negative.",
             "KEB's manual; canopen issue 246",
-            offset_added=True,
+            Traits(offset_added=True),
         ),
-        "no-method-0": _row(
+        "no-method-0": Variation(
             "0x6098 refuses 0, with 0x06090030.",
             "maxon EPOS4, ros2_canopen issue 236 and 245",
-            no_method_0=True,
+            Traits(no_method_0=True),
         ),
     }
 )
@@ -161,7 +157,12 @@ def traits_of(names: Iterable[str]) -> Traits:
         variation = VARIATIONS.get(name)
         if variation is None:
             raise VariationError(f"{name}: no such variation; there are {', '.join(sorted(VARIATIONS))}")
-        absent = found.absent
-        found = replace(found, **variation.traits)  # type: ignore[arg-type]
-        found = replace(found, absent=found.absent | absent)
+        found = _joined(found, variation.traits)
     return found
+
+
+def _joined(one: Traits, other: Traits) -> Traits:
+    """Return the traits of one, with those in which the other differs from the plain servo."""
+    names = (field.name for field in fields(Traits))
+    differing = {name: getattr(other, name) for name in names if getattr(other, name) != getattr(PLAIN, name)}
+    return replace(one, **differing | {"absent": one.absent | other.absent})

@@ -261,6 +261,49 @@ def test_a_jump_is_shortened_to_the_fastest_speed_and_shown(bench: ServoBench) -
     assert not bench.has(LIMITED)
 
 
+@pytest.mark.parametrize(
+    ("mode", "target", "value"),
+    [
+        (Mode.CYCLIC_POSITION, od.TARGET_POSITION, 10 * TURN),
+        (Mode.CYCLIC_VELOCITY, od.TARGET_VELOCITY, 500),
+        (Mode.CYCLIC_TORQUE, at.TARGET_TORQUE, 500),
+        (Mode.PROFILE_VELOCITY, od.TARGET_VELOCITY, 500),
+    ],
+)
+@pytest.mark.parametrize("enabled_before", [False, True])
+def test_a_set_point_of_before_moves_nothing_while_it_is_halted(
+    bench: ServoBench, mode: Mode, target: Address, value: int, *, enabled_before: bool
+) -> None:
+    bench.write(target, value)
+    if enabled_before:
+        bench.enable(Mode.NONE)
+        bench.command(ENABLE | 0x100)
+        bench.write(od.MODE, mode)
+    else:
+        bench.write(od.MODE, mode)
+        bench.command(SHUTDOWN | 0x100, SWITCH_ON | 0x100, ENABLE | 0x100)
+    assert bench.state is ENABLED
+    for _ in range(100):
+        bench.run(1)
+        assert abs(bench.axis.encoder) <= 2
+    bench.command(ENABLE)
+    bench.run(100)
+    assert bench.axis.encoder > 100
+
+
+@pytest.mark.parametrize(
+    ("rpm", "limited"), [(599, False), (600, False), (601, True), (-600, False), (-601, True)]
+)
+def test_a_velocity_is_limited_beyond_the_fastest_and_not_at_it(
+    bench: ServoBench, rpm: int, *, limited: bool
+) -> None:
+    bench.enable(Mode.CYCLIC_VELOCITY)
+    bench.write(od.MAX_PROFILE_VELOCITY, 600)
+    bench.write(od.TARGET_VELOCITY, rpm)
+    bench.servo.wake(bench.now)
+    assert bench.has(LIMITED) is limited
+
+
 def test_offsets_add_to_cyclic_set_points(bench: ServoBench) -> None:
     bench.enable(Mode.CYCLIC_POSITION)
     bench.write(at.POSITION_OFFSET, 7)
