@@ -1,10 +1,12 @@
 """Objects of the servo: those of CiA 301, the drive profile's, and the few that are left to a maker.
 
-Sources: CiA 301 v4.02; CiA 402-2, whose defaults are those of the profile's EDS. Units: positions in counts
-of the encoder, speeds in revolutions a minute, torques and currents in thousandths of the rated ones.
+Sources: CiA 301 v4.02; CiA 402-2, and the profile's EDS for the defaults that it has; those marked `own` are
+this servo's. Units: positions in counts of the encoder, speeds in revolutions a minute, torques and currents
+in thousandths of the rated ones. 0x60FE is kept, and moves nothing: no pin is described.
 """
 
 from collections.abc import Collection, Iterator
+from functools import partial
 from typing import Final
 
 from firmware_bridge.canopen.address import Address
@@ -41,12 +43,10 @@ MAX_TORQUE: Final = Address(0x6072)
 MAX_CURRENT: Final = Address(0x6073)
 TORQUE_DEMAND: Final = Address(0x6074)
 RATED_CURRENT: Final = Address(0x6075)
-RATED_TORQUE: Final = Address(0x6076)
 TORQUE_ACTUAL: Final = Address(0x6077)
 SUPPLY: Final = Address(0x6079)
 MAX_MOTOR_SPEED: Final = Address(0x6080)
 ENCODER_COUNTS: Final = Address(0x608F, 1)
-FEED: Final = Address(0x6092, 1)
 POSITION_OFFSET: Final = Address(0x60B0)
 VELOCITY_OFFSET: Final = Address(0x60B1)
 TORQUE_OFFSET: Final = Address(0x60B2)
@@ -54,8 +54,6 @@ PERIOD: Final = Address(0x60C2, 1)
 PERIOD_EXPONENT: Final = Address(0x60C2, 2)
 FOLLOWING_ERROR: Final = Address(0x60F4)
 INPUTS: Final = Address(0x60FD)
-OUTPUTS: Final = Address(0x60FE, 1)
-OUTPUT_MASK: Final = Address(0x60FE, 2)
 
 MODES: Final = (
     Mode.PROFILE_POSITION,
@@ -90,7 +88,9 @@ def _row(
     low: int | None = None,
     high: int | None = None,
     source: str = CIA_402,
+    own: bool = False,
 ) -> ObjectRow:
+    """Return a row; `own`: its default is a choice of this servo."""
     return ObjectRow(
         Address(index, sub),
         name,
@@ -104,8 +104,8 @@ def _row(
         node,
         source,
         Provenance.ASSUMED if source == OWN else Provenance.DOCUMENTED,
-        source,
-        Provenance.ASSUMED if source == OWN else Provenance.DOCUMENTED,
+        OWN if own else source,
+        Provenance.ASSUMED if own or source == OWN else Provenance.DOCUMENTED,
     )
 
 
@@ -114,19 +114,7 @@ def _count(index: int, entries: int, name: str, source: str = CIA_301) -> Object
 
 
 def _communication() -> Iterator[ObjectRow]:
-    def row(
-        index: int,
-        sub: int,
-        name: str,
-        kind: DataType,
-        access: Access,
-        *,
-        default: int | bytes = 0,
-        unit: str = "",
-        node: bool = False,
-    ) -> ObjectRow:
-        return _row(index, sub, name, kind, access, default=default, unit=unit, node=node, source=CIA_301)
-
+    row = partial(_row, source=CIA_301)
     yield row(0x1000, 0, "Device Type", _U32, _CONST, default=0x0002_0192)
     yield row(0x1001, 0, "Error Register", _U8, _RO)
     yield row(0x1003, 0, "Number of Errors", _U8, _RW)
@@ -193,7 +181,15 @@ def _pdos() -> Iterator[ObjectRow]:
             moves = title == "TPDO" and len(words) > 1
             inhibit = INHIBIT if moves else 0
             yield _row(
-                index, 3, f"Inhibit Time of {name}", _U16, _RW, default=inhibit, unit="100 us", source=CIA_301
+                index,
+                3,
+                f"Inhibit Time of {name}",
+                _U16,
+                _RW,
+                default=inhibit,
+                unit="100 us",
+                source=CIA_301,
+                own=moves,
             )
             yield _row(index, 5, f"Event Timer of {name}", _U16, _RW, unit="ms", source=CIA_301)
             index = mapping + place
@@ -225,22 +221,22 @@ _PROFILE: Final = (
     _row(0x6061, 0, "Modes of Operation Display", _I8, _RO, mapped=True),
     _row(0x6062, 0, "Position Demand Value", _I32, _RO, mapped=True, unit="counts"),
     _row(0x6064, 0, "Position Actual Value", _I32, _RO, mapped=True, unit="counts"),
-    _row(0x6065, 0, "Following Error Window", _U32, _RW, default=2000, unit="counts"),
+    _row(0x6065, 0, "Following Error Window", _U32, _RW, default=2000, unit="counts", own=True),
     _row(0x6066, 0, "Following Error Time Out", _U16, _RW, default=0, unit="ms"),
-    _row(0x6067, 0, "Position Window", _U32, _RW, default=OFF, unit="counts"),
-    _row(0x6068, 0, "Position Window Time", _U16, _RW, default=0, unit="ms"),
+    _row(0x6067, 0, "Position Window", _U32, _RW, default=OFF, unit="counts", own=True),
+    _row(0x6068, 0, "Position Window Time", _U16, _RW, default=0, unit="ms", own=True),
     _row(0x606B, 0, "Velocity Demand Value", _I32, _RO, mapped=True, unit="rpm"),
     _row(0x606C, 0, "Velocity Actual Value", _I32, _RO, mapped=True, unit="rpm"),
-    _row(0x606D, 0, "Velocity Window", _U16, _RW, default=30, unit="rpm"),
-    _row(0x606E, 0, "Velocity Window Time", _U16, _RW, default=20, unit="ms"),
-    _row(0x606F, 0, "Velocity Threshold", _U16, _RW, default=30, unit="rpm"),
-    _row(0x6070, 0, "Velocity Threshold Time", _U16, _RW, default=20, unit="ms"),
+    _row(0x606D, 0, "Velocity Window", _U16, _RW, default=30, unit="rpm", own=True),
+    _row(0x606E, 0, "Velocity Window Time", _U16, _RW, default=20, unit="ms", own=True),
+    _row(0x606F, 0, "Velocity Threshold", _U16, _RW, default=30, unit="rpm", own=True),
+    _row(0x6070, 0, "Velocity Threshold Time", _U16, _RW, default=20, unit="ms", own=True),
     _row(0x6071, 0, "Target Torque", _I16, _RWW, mapped=True, unit="1/1000"),
-    _row(0x6072, 0, "Max Torque", _U16, _RWW, default=2500, mapped=True, unit="1/1000"),
-    _row(0x6073, 0, "Max Current", _U16, _RW, default=2500, unit="1/1000"),
+    _row(0x6072, 0, "Max Torque", _U16, _RWW, default=2500, mapped=True, unit="1/1000", own=True),
+    _row(0x6073, 0, "Max Current", _U16, _RW, default=2500, unit="1/1000", own=True),
     _row(0x6074, 0, "Torque Demand", _I16, _RO, mapped=True, unit="1/1000"),
-    _row(0x6075, 0, "Motor Rated Current", _U32, _RW, default=2000, unit="mA", source=OWN),
-    _row(0x6076, 0, "Motor Rated Torque", _U32, _RW, default=80, unit="mN m", source=OWN),
+    _row(0x6075, 0, "Motor Rated Current", _U32, _RW, default=2000, unit="mA", own=True),
+    _row(0x6076, 0, "Motor Rated Torque", _U32, _RW, default=80, unit="mN m", own=True),
     _row(0x6077, 0, "Torque Actual Value", _I16, _RO, mapped=True, unit="1/1000"),
     _row(0x6078, 0, "Current Actual Value", _I16, _RO, mapped=True, unit="1/1000"),
     _row(0x6079, 0, "DC Link Circuit Voltage", _U32, _RO, mapped=True, unit="mV"),
@@ -249,13 +245,35 @@ _PROFILE: Final = (
     _count(0x607D, 2, "Software Position Limit", CIA_402),
     _row(0x607D, 1, "Min Position Limit", _I32, _RW, default=LOWEST, unit="counts"),
     _row(0x607D, 2, "Max Position Limit", _I32, _RW, default=HIGHEST, unit="counts"),
-    _row(0x607F, 0, "Max Profile Velocity", _U32, _RW, default=5000, unit="rpm", source=OWN),
-    _row(0x6080, 0, "Max Motor Speed", _U32, _RW, default=5000, unit="rpm", source=OWN),
-    _row(0x6081, 0, "Profile Velocity", _U32, _RWW, default=1000, mapped=True, unit="rpm", low=1),
+    _row(0x607F, 0, "Max Profile Velocity", _U32, _RW, default=5000, unit="rpm", own=True),
+    _row(0x6080, 0, "Max Motor Speed", _U32, _RW, default=5000, unit="rpm", own=True),
+    _row(0x6081, 0, "Profile Velocity", _U32, _RWW, default=1000, mapped=True, unit="rpm", low=1, own=True),
     _row(0x6082, 0, "End Velocity", _U32, _RW, default=0, unit="rpm", high=0),
-    _row(0x6083, 0, "Profile Acceleration", _U32, _RWW, default=10_000, mapped=True, unit="rpm/s", low=1),
-    _row(0x6084, 0, "Profile Deceleration", _U32, _RWW, default=10_000, mapped=True, unit="rpm/s", low=1),
-    _row(0x6085, 0, "Quick Stop Deceleration", _U32, _RW, default=50_000, unit="rpm/s", low=1),
+    _row(
+        0x6083,
+        0,
+        "Profile Acceleration",
+        _U32,
+        _RWW,
+        default=10_000,
+        mapped=True,
+        unit="rpm/s",
+        low=1,
+        own=True,
+    ),
+    _row(
+        0x6084,
+        0,
+        "Profile Deceleration",
+        _U32,
+        _RWW,
+        default=10_000,
+        mapped=True,
+        unit="rpm/s",
+        low=1,
+        own=True,
+    ),
+    _row(0x6085, 0, "Quick Stop Deceleration", _U32, _RW, default=50_000, unit="rpm/s", low=1, own=True),
     _row(0x6086, 0, "Motion Profile Type", _I16, _RW, default=0, low=0, high=1),
     _count(0x608F, 2, "Position Encoder Resolution", CIA_402),
     _row(0x608F, 2, "Motor Revolutions", _U32, _CONST, default=1),
@@ -266,16 +284,16 @@ _PROFILE: Final = (
     _row(0x6092, 2, "Shaft Revolutions", _U32, _CONST, default=1),
     _row(0x6098, 0, "Homing Method", _I8, _RW),
     _count(0x6099, 2, "Homing Speeds", CIA_402),
-    _row(0x6099, 1, "Speed for Switch Search", _U32, _RW, default=100, unit="rpm"),
-    _row(0x6099, 2, "Speed for Zero Search", _U32, _RW, default=10, unit="rpm"),
-    _row(0x609A, 0, "Homing Acceleration", _U32, _RW, default=1000, unit="rpm/s", low=1),
+    _row(0x6099, 1, "Speed for Switch Search", _U32, _RW, default=100, unit="rpm", own=True),
+    _row(0x6099, 2, "Speed for Zero Search", _U32, _RW, default=10, unit="rpm", own=True),
+    _row(0x609A, 0, "Homing Acceleration", _U32, _RW, default=1000, unit="rpm/s", low=1, own=True),
     _row(0x60B0, 0, "Position Offset", _I32, _RWW, mapped=True, unit="counts"),
     _row(0x60B1, 0, "Velocity Offset", _I32, _RWW, mapped=True, unit="rpm"),
     _row(0x60B2, 0, "Torque Offset", _I16, _RWW, mapped=True, unit="1/1000"),
     _count(0x60C2, 2, "Interpolation Time Period", CIA_402),
     _row(0x60C2, 1, "Interpolation Time Period Value", _U8, _RW, default=1, low=1),
     _row(0x60C2, 2, "Interpolation Time Index", _I8, _RW, default=-3, low=-6, high=0),
-    _row(0x60C5, 0, "Max Acceleration", _U32, _RW, default=1_000_000, unit="rpm/s", low=1, source=OWN),
+    _row(0x60C5, 0, "Max Acceleration", _U32, _RW, default=1_000_000, unit="rpm/s", low=1, own=True),
     _row(0x60F4, 0, "Following Error Actual Value", _I32, _RO, mapped=True, unit="counts"),
     _row(0x60FD, 0, "Digital Inputs", _U32, _RO, mapped=True),
     _count(0x60FE, 2, "Digital Outputs", CIA_402),
