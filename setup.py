@@ -65,6 +65,8 @@ WAY_OF_A_PACKET: Final = (
     "emulators/world.py",
     "firmware_bridge/bridge/*.py",
     "firmware_bridge/canopen/*.py",
+    "firmware_bridge/canopen_drive/driver/*.py",
+    "firmware_bridge/canopen_drive/guard/*.py",
     "firmware_bridge/differential/*.py",
     "firmware_bridge/drivers/*.py",
     "firmware_bridge/families/*/driver/*.py",

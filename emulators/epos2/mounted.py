@@ -19,7 +19,8 @@ from emulators.servo.winding import set_winding
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import ControlwordCommand, command_of
-from firmware_bridge.families.epos2.settings import BRUSHED, Epos2Axis
+from firmware_bridge.canopen_drive.settings import BRUSHED
+from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.units import QUADCOUNTS_PER_LINE
 

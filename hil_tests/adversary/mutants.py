@@ -36,7 +36,7 @@ TARGETS: Final = (
     "bridge/power_down",
     "bridge/pipeline",
     "bridge/bridge",
-    "families/epos2/driver/scale",
+    "canopen_drive/driver/scale",
     "motion/ramp",
     "robots/rars/rules",
     "robots/rars/kinematics",

@@ -82,7 +82,7 @@ def test_every_contract_has_an_id_of_its_own() -> None:
 
 def test_every_package_has_its_place_in_the_contracts() -> None:
     contracts = {contract["id"]: contract for contract in CONTRACTS}
-    assert contracts["epos2_ways"]["exhaustive"]
+    assert contracts["drive"]["exhaustive"]
     assert contracts["bridge"]["exhaustive"]
     assert contracts["emulators"]["exhaustive"]
     assert contracts["epos2"]["exhaustive"]

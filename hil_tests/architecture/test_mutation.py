@@ -153,6 +153,7 @@ def test_the_rooms_have_modules_and_every_module_tests() -> None:
         "safety",
         "bridge",
         "canopen",
+        "canopen_drive",
         "families",
         "differential",
         "drivers",

@@ -6,8 +6,8 @@ import pytest
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.families.epos2.guard.axis import GuardedAxis
-from firmware_bridge.families.epos2.guard.words import (
+from firmware_bridge.canopen_drive.guard.axis import GuardedAxis
+from firmware_bridge.canopen_drive.guard.words import (
     DISABLE_VOLTAGE,
     ENABLE,
     HALT,
@@ -15,6 +15,7 @@ from firmware_bridge.families.epos2.guard.words import (
     START_HOMING,
     GuardedSetPoint,
 )
+from firmware_bridge.families.epos2.guard.product import product
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.units import MILLISECOND
@@ -28,7 +29,8 @@ CYCLE = RARS.cycle
 
 def axis(name: str) -> GuardedAxis:
     """The left wheel, by speed; the lift, by position."""
-    return GuardedAxis(next(it for it in RARS.axes if it.name == name), RARS)
+    made = next(it for it in RARS.axes if it.name == name)
+    return GuardedAxis(made, RARS, product(made, RARS))
 
 
 def sends(one: GuardedAxis, word: int, target: int = 0, now: int = 0) -> None:

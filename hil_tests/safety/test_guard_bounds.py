@@ -7,14 +7,26 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.families.epos2.driver.scale import travel_of
-from firmware_bridge.families.epos2.guard.bounds import ends_qc, highest_rpm, rpm_per_unit, targets
+from firmware_bridge.canopen_drive.driver.scale import travel_of
+from firmware_bridge.canopen_drive.guard.bounds import Units, ends, highest_speed, speed_per_unit, targets
+from firmware_bridge.families.epos2.guard.product import units
 from firmware_bridge.robot import Axis, RobotFileError
 from hil_tests.safety.guard_robots import RARS, AnAxis, robot_with
 
 
 def axis(**differs: object) -> Axis:
     return robot_with((AnAxis("one", 1, **differs),)).axes[0]  # type: ignore[arg-type] # a test's shorthand
+
+
+RPM = Units(2000)
+
+
+def ends_of(one: Axis) -> tuple[int, int]:
+    return ends(one, units(one))
+
+
+def highest_of(one: Axis) -> int:
+    return highest_speed(one, units(one))
 
 
 @pytest.mark.parametrize(
@@ -28,26 +40,26 @@ def axis(**differs: object) -> Axis:
     ],
 )
 @pytest.mark.parametrize("direction", [1, -1])
-def test_the_highest_rpm_is_the_largest_whole_one_within_the_top_speed(
+def test_the_highest_speed_is_the_largest_whole_one_within_the_top_speed(
     top_speed: float, ratio: float, rpm: int, direction: int
 ) -> None:
     one = axis(top_speed=top_speed, ratio=ratio, direction=direction)
-    assert highest_rpm(one) == rpm
-    assert targets(one) == range(-rpm, rpm + 1)
+    assert highest_of(one) == rpm
+    assert targets(one, units(one)) == range(-rpm, rpm + 1)
 
 
 @given(rpm=st.integers(1, 25_000), ratio=st.floats(0.01, 1000.0))
 def test_a_top_speed_that_was_meant_as_whole_rpm_is_that_many(rpm: int, ratio: float) -> None:
-    assert highest_rpm(axis(top_speed=rpm * 2.0 * math.pi / 60.0 / ratio, ratio=ratio)) == rpm
+    assert highest_of(axis(top_speed=rpm * 2.0 * math.pi / 60.0 / ratio, ratio=ratio)) == rpm
 
 
 def test_the_speed_of_a_mirrored_axis_has_the_other_sign() -> None:
-    assert rpm_per_unit(axis(ratio=math.pi)) == pytest.approx(30.0)
-    assert rpm_per_unit(axis(ratio=math.pi, direction=-1)) == pytest.approx(-30.0)
+    assert speed_per_unit(axis(ratio=math.pi), RPM) == pytest.approx(30.0)
+    assert speed_per_unit(axis(ratio=math.pi, direction=-1), RPM) == pytest.approx(-30.0)
 
 
 @pytest.mark.parametrize(
-    ("travel", "direction", "ends"),
+    ("travel", "direction", "both"),
     [
         ((0.0, 2.0 * math.pi), 1, (0, 2000)),
         ((0.0, 2.0 * math.pi), -1, (-2000, 0)),
@@ -58,25 +70,25 @@ def test_the_speed_of_a_mirrored_axis_has_the_other_sign() -> None:
     ],
 )
 def test_the_ends_are_the_nearest_quadcounts_of_the_travel(
-    travel: tuple[float, float], direction: int, ends: tuple[int, int]
+    travel: tuple[float, float], direction: int, both: tuple[int, int]
 ) -> None:
     one = axis(travel=travel, direction=direction, ratio=1.0)
-    assert ends_qc(one) == ends
-    assert targets(one) == range(ends[0], ends[1] + 1)
+    assert ends_of(one) == both
+    assert targets(one, units(one)) == range(both[0], both[1] + 1)
 
 
 def test_lines_of_the_encoder_and_the_gear_both_count() -> None:
-    assert ends_qc(axis(travel=(0.0, 2.0 * math.pi), ratio=3.0, encoder_lines=16)) == (0, 192)
+    assert ends_of(axis(travel=(0.0, 2.0 * math.pi), ratio=3.0, encoder_lines=16)) == (0, 192)
 
 
 def test_an_axis_without_travel_may_go_nowhere() -> None:
-    assert ends_qc(axis()) == (0, 0)
+    assert ends_of(axis()) == (0, 0)
 
 
 def test_the_ends_of_rars_are_those_of_its_thesis() -> None:
     """60 degrees of the inner wheel are 2.666 rad at the pinion; the screw makes 57.8 turns."""
-    assert ends_qc(RARS.axis("steering")) == (-134_953, 134_953)
-    assert ends_qc(RARS.axis("lift")) == (0, 2_890_879)
+    assert ends_of(RARS.axis("steering")) == (-134_953, 134_953)
+    assert ends_of(RARS.axis("lift")) == (0, 2_890_879)
 
 
 @given(
@@ -94,7 +106,7 @@ def test_guard_and_driver_agree_on_the_ends(
     one = axis(travel=travel, ratio=ratio, direction=direction, encoder_lines=lines)
     theirs = travel_of(one)
     assert theirs is not None
-    assert ends_qc(one) == (theirs.low_qc, theirs.high_qc)
+    assert ends_of(one) == (theirs.low, theirs.high)
 
 
 PAIR = (AnAxis("left", 1), AnAxis("right", 2), AnAxis("arm", 3, travel=(0.0, 1.0)))

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.families.epos2.driver.zero import rows_of
-from firmware_bridge.families.epos2.guard.zeroing import by_file
+from firmware_bridge.families.epos2.driver.product import by_homing
+from firmware_bridge.families.epos2.guard.product import by_file
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
@@ -352,7 +352,7 @@ def test_what_the_driver_writes_is_what_the_guard_lets_pass(
     zero = of_file.zero.model_copy(update={"homing": homing.model_copy(update=reported)})
     axis = of_file.model_copy(update={"zero": zero, "direction": direction, "ratio": ratio})
     allowed = by_file(axis)
-    rows = rows_of(axis)
+    rows = by_homing(axis)
     assert {row.address for row in rows} == set(allowed)
     for row in rows:
         assert row.value in allowed[row.address], row.expected

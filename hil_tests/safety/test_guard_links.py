@@ -8,7 +8,7 @@ import pytest
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.families.epos2.guard.can import Epos2CanRules
+from firmware_bridge.canopen_drive.guard.can import DriveCanRules
 from firmware_bridge.families.epos2.guard.serial import Epos2SerialRules
 from firmware_bridge.families.epos2.maxon.messages import ReadObject, WriteObject
 from firmware_bridge.families.epos2.maxon.packets import command
@@ -148,7 +148,7 @@ def mixed() -> Bench:
 
 def test_a_bus_and_a_serial_line_live_side_by_side(mixed: Bench) -> None:
     kinds = {name: type(rules) for name, rules in mixed.guard.links.items()}
-    assert kinds == {"base": Epos2CanRules, "tail": Epos2SerialRules}
+    assert kinds == {"base": DriveCanRules, "tail": Epos2SerialRules}
     stated = (speed("base", 900), writing(od.TARGET_VELOCITY, 300), writing(od.CONTROLWORD, ENABLE))
     assert mixed.states(*stated) == stated
 

@@ -8,7 +8,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from firmware_bridge.families.epos2.guard.can import Epos2CanRules
+from firmware_bridge.families.epos2.guard.product import can_rules
 from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
@@ -19,7 +19,7 @@ from hil_tests.lanes import examples
 from hil_tests.safety.guard_bench import LINK, Bench
 
 ROBOT: Final = find("rars")
-RULES: Final = Epos2CanRules(ROBOT, LINK)
+RULES: Final = can_rules(ROBOT, LINK)
 IDENTIFIERS: Final = st.sampled_from([*RULES.listed, 0x503, 0x404, 0x605, 0x123]) | st.integers(0, 2**32 - 1)
 WORDS: Final = st.sampled_from([0x0006, 0x0007, 0x000F, 0x003F, 0x010F, 0x0080, 0x000B, 0x0000, 0x001F])
 TARGETS: Final = st.sampled_from(

@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand
+from firmware_bridge.canopen_drive.driver.setup import farewell
+from firmware_bridge.families.epos2.driver.product import configuration, through_gateway
 from firmware_bridge.families.epos2.driver.serial.link import guarding, heartbeat
-from firmware_bridge.families.epos2.driver.setup import configuration, farewell, through_gateway
 from firmware_bridge.families.epos2.maxon import messages
 from firmware_bridge.families.epos2.maxon.messages import Request, SendCanFrame, SendNmtService, WriteObject
 from firmware_bridge.families.epos2.maxon.opcodes import ROWS

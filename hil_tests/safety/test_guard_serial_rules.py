@@ -7,9 +7,9 @@ import pytest
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia301 import NmtCommand
-from firmware_bridge.families.epos2.guard.axis import GuardedAxis
+from firmware_bridge.canopen_drive.guard.axis import GuardedAxis
+from firmware_bridge.canopen_drive.guard.words import NEW_SET_POINT, GuardedSetPoint
 from firmware_bridge.families.epos2.guard.serial import Epos2SerialRules
-from firmware_bridge.families.epos2.guard.words import NEW_SET_POINT, GuardedSetPoint
 from firmware_bridge.families.epos2.maxon.messages import SendCanFrame, SendNmtService
 from firmware_bridge.families.motion_capture.settings import CaptureLink
 from firmware_bridge.node import LINE_LOST

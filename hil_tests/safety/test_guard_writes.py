@@ -6,7 +6,8 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.families.epos2.driver.setup import configuration, farewell
+from firmware_bridge.canopen_drive.driver.setup import farewell
+from firmware_bridge.families.epos2.driver.product import configuration
 from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2DigitalOutput, Epos2Link
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot

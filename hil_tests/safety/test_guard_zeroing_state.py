@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING
 import pytest
 
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.families.epos2.guard.words import (
+from firmware_bridge.canopen_drive.guard.bounds import ends
+from firmware_bridge.canopen_drive.guard.words import (
     DISABLE_VOLTAGE,
     ENABLE,
     HALT,
     NEW_SET_POINT,
     START_HOMING,
 )
-from firmware_bridge.families.epos2.guard.zeroing import Zeroing, by_file
+from firmware_bridge.canopen_drive.guard.zeroing import Zeroing
+from firmware_bridge.families.epos2.guard.product import by_file, product, units
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.families.epos2.wire.modes import Mode
 from hil_tests.safety.guard_robots import RARS
@@ -28,7 +30,8 @@ PROFILE_POSITION, HOMING = int(Mode.PROFILE_POSITION), int(Mode.HOMING)
 
 
 def zeroing(name: str = "lift") -> Zeroing:
-    return Zeroing(next(axis for axis in RARS.axes if axis.name == name))
+    axis = next(axis for axis in RARS.axes if axis.name == name)
+    return Zeroing(axis, product(axis, RARS))
 
 
 def in_homing(one: Zeroing) -> Zeroing:
@@ -39,7 +42,6 @@ def in_homing(one: Zeroing) -> Zeroing:
 
 def test_an_axis_without_travel_has_no_home() -> None:
     one = zeroing("left")
-    assert one.homes is None
     assert one.within_s == 0.0
     in_homing(one)
     one.read(od.HOMING_METHOD, 35)
@@ -49,14 +51,18 @@ def test_an_axis_without_travel_has_no_home() -> None:
 
 def test_a_travel_to_both_sides_is_one_of_homes_to_both_sides() -> None:
     """60 degrees of steering are 2.666 rad of the pinion, 159 times 2000 quadcounts a turn."""
-    assert zeroing("steer").homes == range(-134_953, 134_954)
+    one = in_homing(zeroing("steer"))
+    one.read(od.HOMING_METHOD, 35)
+    for place, good in ((-134_954, False), (-134_953, True), (134_953, True), (134_954, False)):
+        one.read(at.HOME_POSITION, place)
+        assert one.prepared is good
 
 
 def test_where_it_stands_may_be_stated_within_its_travel() -> None:
     one = in_homing(zeroing())
-    assert one.homes is not None
+    low, high = ends(RARS.axis("lift"), units(RARS.axis("lift")))
     one.read(od.HOMING_METHOD, 35)
-    for place, good in ((one.homes[0], True), (one.homes[-1], True), (one.homes[-1] + 1, False)):
+    for place, good in ((low, True), (high, True), (high + 1, False)):
         one.read(at.HOME_POSITION, place)
         assert one.prepared is good
 

@@ -12,7 +12,7 @@ import pytest
 from emulators.bench import mission as missions
 from emulators.robots.rars import BENCH_SETUP
 from emulators.run import RunOrder, drive
-from firmware_bridge.families.epos2.driver.scale import Scale
+from firmware_bridge.canopen_drive.driver.scale import Scale
 from firmware_bridge.recording import parse_candump
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds

@@ -18,7 +18,7 @@ from emulators.bench.summary import mean_acceleration, odometry_errors
 from emulators.run import HAND_STREAM
 from emulators.servo.axis import ServoAxis
 from emulators.testing.inherited.scripted import mission_of, scripted
-from firmware_bridge.families.epos2.driver.scale import Scale
+from firmware_bridge.canopen_drive.driver.scale import Scale
 from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.motion.ramp import MARGIN
 from firmware_bridge.robot_types import find

@@ -7,8 +7,8 @@ import pytest
 
 from emulators.bench.faults.site import ForeignNode
 from emulators.testing.inherited.scripted import mission_of, scripted
+from firmware_bridge.canopen_drive.driver.process_data import SET_POINT, SET_POINT_COB_ID
 from firmware_bridge.drivers.driver import Feedback, Position, Power
-from firmware_bridge.families.epos2.driver.process_data import SET_POINT, SET_POINT_COB_ID
 from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
 from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.intent import NEVER_RECEIVED

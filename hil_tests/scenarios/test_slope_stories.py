@@ -286,7 +286,7 @@ def test_a_bridge_that_dies_on_a_slope_leaves_the_robot_to_roll(rides: Ridden) -
 def test_a_driver_that_reports_no_current_keeps_the_power(
     rides: Ridden, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("firmware_bridge.families.epos2.driver.drive.REPORTS", frozenset())
+    monkeypatch.setattr("firmware_bridge.families.epos2.driver.product.REPORTS", frozenset())
     one = rides(ARMED, *BRAKED, STOPPED, seconds=20, robot=on_slope(0))
     one.runs_until(STOPPED_S + 1.5)
     assert states(one) == {PowerState.QUICK_STOP_ACTIVE}

@@ -9,14 +9,13 @@ from firmware_bridge import robot_types
 from firmware_bridge.drivers.all_drivers import reports_of, stop_stages_of
 from firmware_bridge.drivers.driver import Reports
 from firmware_bridge.drivers.stop_stages import StopStage, sequence, sums
-from firmware_bridge.families.ar2.guard import GuardedJoint
 from firmware_bridge.families.ar2.settings import Ar2Link
 from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
-from firmware_bridge.families.epos2.guard.bounds import targets
+from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
-from firmware_bridge.families.motor_shield.guard.rules import GuardedMotor
 from firmware_bridge.families.motor_shield.settings import ShieldLink, ShieldProtocol
-from firmware_bridge.robot import AnyRobot, Axis, CommandForm
+from firmware_bridge.family import family_of
+from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot_type import AnyRobotType
 from firmware_bridge.safety.common import AXIS_INTERLOCKS, EXCLUDED_AXIS, whole_robot_interlocks
 from firmware_bridge.safety.interlock import AxisInterlock
@@ -243,7 +242,7 @@ def reached(robot: AnyRobot) -> tuple[AnyRobot, ...]:
     if ShieldLink.all_of(robot):
         shown = (ShieldProtocol.ROS_ARDUINO_BRIDGE, ShieldProtocol.MW)
         return tuple(over_protocol(robot, spoken.value) for spoken in shown)
-    return (robot, over_serial(robot))
+    return (robot, over_serial(robot)) if Epos2Link.all_of(robot) else (robot,)
 
 
 def spoken(robot: AnyRobot, name: str) -> str:
@@ -261,15 +260,7 @@ def _fitting(robot: AnyRobot, axis: Axis) -> Iterator[str]:
 
 
 def _on_the_wire(robot: AnyRobot, axis: Axis) -> str:
-    if axis.link in ShieldLink.all_of(robot):
-        motor = GuardedMotor(axis, robot)
-        return f"-{motor.most} to {motor.most} {motor.unit}"
-    if axis.link in Ar2Link.all_of(robot):
-        joint = GuardedJoint(axis, robot)
-        return f"{joint.least} to {joint.most} steps, {joint.at_once} at once"
-    unit = "qc" if axis.command is CommandForm.POSITION else "rpm"
-    allowed = targets(axis)
-    return f"{allowed[0]} to {allowed[-1]} {unit}"
+    return family_of(robot.links[axis.link]).wire_rules(robot, axis.link).permitted(axis)
 
 
 def _instead(row: AxisInterlock) -> str:

@@ -101,7 +101,7 @@ def _storage(axis: "Axis", given: "RobotOptions") -> "Storage":
     """Return where a drive finds its parameters at power-on: saved, the robot file's or the factory's."""
     from emulators.canopen.saved_parameters import Volatile
     from emulators.epos2.storage import Commissioned, ParameterFile
-    from firmware_bridge.families.epos2.driver.setup import commissioned
+    from firmware_bridge.families.epos2.driver.product import commissioned
 
     folder = given.parameters
     kept: Storage = (

@@ -7,7 +7,8 @@ from typing import Final
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.starter.tuning import VELOCITY_P_UNIT, velocity_gains
 from emulators.motors import Motor
-from firmware_bridge.families.epos2.settings import BRUSHED, SINUSOIDAL, Epos2Device
+from firmware_bridge.canopen_drive.settings import BRUSHED, SINUSOIDAL
+from firmware_bridge.families.epos2.settings import Epos2Device
 from firmware_bridge.families.epos2.wire.hardware import too_fast
 
 BRIDGE_NODE: Final = 100

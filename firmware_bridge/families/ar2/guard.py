@@ -108,6 +108,11 @@ class GuardedJoint:
         """True while it may move: its motor has its current always."""
         return self.moving
 
+    @property
+    def permitted(self) -> str:
+        """Its places, and the longest move."""
+        return f"{self.least} to {self.most} steps, {self.at_once} at once"
+
     def refuses_place(self, place: int) -> str | None:
         """Return why no one can mean that it stands there, or None."""
         if self.least <= place <= self.most:
@@ -154,6 +159,10 @@ class Ar2Rules(WireRules):
         """Return which joints a line moves."""
         steps = self._steps(packet)
         return {joint: RequestedMotion(moves=bool(steps.get(joint.number)), speed=0.0) for joint in self._all}
+
+    def permitted(self, axis: Axis) -> str:
+        """Describe the targets that an axis of the link may be sent."""
+        return next(one.permitted for one in self._joints.values() if one.axis.name == axis.name)
 
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Look into the list, and at what is under way."""

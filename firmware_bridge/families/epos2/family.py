@@ -2,18 +2,19 @@
 
 from typing import Final
 
+from firmware_bridge.canopen_drive.driver.stops import CONFIRMED_BY, alone
 from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.families.epos2.check import check
-from firmware_bridge.families.epos2.driver.can.link_drivers import can_link_drivers
-from firmware_bridge.families.epos2.driver.feedback import REPORTS
+from firmware_bridge.families.epos2.driver.can_link_drivers import can_link_drivers
+from firmware_bridge.families.epos2.driver.product import REPORTS
 from firmware_bridge.families.epos2.driver.serial.line import MaxonLine
 from firmware_bridge.families.epos2.driver.serial.link_drivers import (
     OPTIONS,
     serial_link_drivers,
     with_options,
 )
-from firmware_bridge.families.epos2.driver.stops import CONFIRMED_BY, alone, stop_stages
-from firmware_bridge.families.epos2.guard.can import Epos2CanRules
+from firmware_bridge.families.epos2.driver.stops import stop_stages
+from firmware_bridge.families.epos2.guard.product import can_rules
 from firmware_bridge.families.epos2.guard.serial import Epos2SerialRules
 from firmware_bridge.families.epos2.reading import DICTIONARY, PROTOCOLS, expected
 from firmware_bridge.families.epos2.settings import (
@@ -37,7 +38,7 @@ def _link_drivers(robot: AnyRobot, name: str) -> LinkDrivers:
 
 def _wire_rules(robot: AnyRobot, name: str) -> WireRules:
     serial = Epos2Link.of_link(robot, name).driver is Epos2Driver.SERIAL
-    return (Epos2SerialRules if serial else Epos2CanRules)(robot, name)
+    return (Epos2SerialRules if serial else can_rules)(robot, name)
 
 
 def _line_end(node: Node, link: LinkTable, name: str) -> Node:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen_drive.driver.setup import MODE
 from firmware_bridge.dissector.dictionary import Dictionary
 from firmware_bridge.dissector.expected import Expected
 from firmware_bridge.dissector.protocols import Protocols, in_bytes
@@ -11,7 +12,7 @@ from firmware_bridge.families.epos2.commissioning.names import called
 from firmware_bridge.families.epos2.commissioning.values import decode, unit_of
 from firmware_bridge.families.epos2.commissioning.words import mode_of, words
 from firmware_bridge.families.epos2.dissector import MaxonCommands, MaxonLine
-from firmware_bridge.families.epos2.driver.setup import MODE, configuration
+from firmware_bridge.families.epos2.driver.product import configuration
 from firmware_bridge.families.epos2.maxon.packets import MAXON
 from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
 from firmware_bridge.families.epos2.wire import hardware

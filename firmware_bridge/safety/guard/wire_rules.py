@@ -6,6 +6,7 @@ from typing import Any, Final
 
 from firmware_bridge.extensible import extensible
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot import Axis
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.units import Nanoseconds
 
@@ -24,6 +25,11 @@ class WireRules(ABC):
     def waiting(self) -> bool:
         """True while commands of the guard itself still wait for the link; here each leaves at once."""
         return False
+
+    def permitted(self, axis: Axis) -> str:
+        """Describe the targets that an axis of the link may be sent, for people; empty: not described."""
+        del axis
+        return ""
 
     @abstractmethod
     def axes_of(self, packet: Packet) -> tuple[InForce, ...]:

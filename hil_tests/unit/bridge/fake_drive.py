@@ -169,7 +169,7 @@ class FakeDrive:
 
     def _move(self, now: Nanoseconds) -> None:
         turns = self.rpm / 60.0 * (now - self._moved_at) / SECOND
-        self.position += turns * Epos2Axis.of(self.axis).quadcounts_per_turn
+        self.position += turns * Epos2Axis.of(self.axis).counts_per_turn
         self._moved_at = now
 
     def _counter(self) -> bytes:

@@ -8,7 +8,7 @@ import pytest
 from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.families.epos2.driver.scale import Scale
+from firmware_bridge.canopen_drive.driver.scale import Scale
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.motion.scissor import screw_from_height
 from firmware_bridge.robot import AnyRobot
@@ -280,7 +280,7 @@ def test_a_lift_that_cannot_follow_is_not_left_behind(bench_with: "Callable[[Bri
     armed.runs(3)
     target = armed.drives["lift"].words[-1][2]
     # 30 mm above collapsed are 0.3 s at 0.10 m/s.
-    assert Scale.of(armed.robot.axis("lift")).quadcounts(
+    assert Scale.of(armed.robot.axis("lift")).counts(
         screw_from_height(armed.robot.geometry.lift, 0.030)
     ) == pytest.approx(target, abs=2)
 

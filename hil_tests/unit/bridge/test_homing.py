@@ -96,7 +96,7 @@ class Seeking(FakeDrive):
             self._began_at = now if self._began_at is None else self._began_at
             turns = int.from_bytes(self.memory[od.HOMING_SPEED_SWITCH], "little") / 60.0 * self.rushes
             elapsed = (now - self._moved_at) / SECOND
-            self.position -= turns * elapsed * Epos2Axis.of(self.axis).quadcounts_per_turn
+            self.position -= turns * elapsed * Epos2Axis.of(self.axis).counts_per_turn
             if now >= self._began_at + self.seeks_for:
                 self._ends()
         super()._move(now)

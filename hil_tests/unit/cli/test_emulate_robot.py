@@ -12,7 +12,8 @@ from emulators.devices import devices
 from emulators.epos2.drive import Epos2
 from emulators.epos2.storage import ParameterFile
 from emulators.family import Devices
-from firmware_bridge.families.epos2.driver.setup import SetupObject, commissioned
+from firmware_bridge.canopen_drive.driver.setup_object import SetupObject
+from firmware_bridge.families.epos2.driver.product import commissioned
 from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.node import Node

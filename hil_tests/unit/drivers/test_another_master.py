@@ -4,9 +4,10 @@ from typing import Final
 
 import pytest
 
+from firmware_bridge.canopen_drive.driver.can_link import REMEMBERED
 from firmware_bridge.drivers.all_drivers import all_drivers_of
 from firmware_bridge.drivers.link_drivers import LinkDrivers
-from firmware_bridge.families.epos2.driver.can.link_drivers import REMEMBERED, can_link_drivers
+from firmware_bridge.families.epos2.driver.can_link_drivers import can_link_drivers
 from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
 from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.packet import Packet

@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_bridge.canopen.cia402 import PowerState
+from firmware_bridge.canopen_drive.driver.can_feedback import CanFeedback
 from firmware_bridge.drivers.driver import Power
-from firmware_bridge.families.epos2.driver.can.feedback import CanFeedback
+from firmware_bridge.families.epos2.driver.product import product
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.units import MILLISECOND
 from hil_tests.unit.drivers.robots import RARS, with_axis
@@ -19,7 +20,7 @@ CYCLE = 50 * MILLISECOND
 
 @pytest.fixture
 def feedback() -> CanFeedback:
-    feedback = CanFeedback(AXIS)
+    feedback = CanFeedback(AXIS, product(AXIS))
     feedback.expected = True
     return feedback
 
@@ -84,8 +85,8 @@ def test_position_current_and_the_mean_speed_between_two_syncs(feedback: CanFeed
     feedback.receive(0x282, sample(3600, current=-250), CYCLE + 2 * MILLISECOND)
     # 2600 of 26 x 2000 quadcounts a turn in 50 ms: one turn of the wheel a second.
     assert feedback.velocity == pytest.approx(2.0 * math.pi)
-    assert feedback.position_qc == 3600
-    assert feedback.current_ma == -250
+    assert feedback.position_counts == 3600
+    assert feedback.current == -250
     assert feedback.sampled_at == CYCLE
     assert feedback.received_at == CYCLE + 2 * MILLISECOND
 
@@ -118,7 +119,7 @@ def test_after_a_restart_no_speed_is_made_up(feedback: CanFeedback) -> None:
 
 
 def test_process_data_of_an_earlier_mapping_is_not_believed() -> None:
-    feedback = CanFeedback(AXIS)
+    feedback = CanFeedback(AXIS, product(AXIS))
     feedback.receive(0x182, bytes.fromhex("37 07"), 5)
     feedback.receive(0x282, sample(123), 6)
     assert feedback.state is None
@@ -127,7 +128,7 @@ def test_process_data_of_an_earlier_mapping_is_not_believed() -> None:
 
 @given(st.lists(st.tuples(st.integers(0, 0x7FF), st.binary(max_size=8), st.booleans()), max_size=40))
 def test_no_frames_make_it_raise(frames: list[tuple[int, bytes, bool]]) -> None:
-    feedback = CanFeedback(AXIS)
+    feedback = CanFeedback(AXIS, product(AXIS))
     feedback.expected = True
     for now, (cob_id, payload, synchronized) in enumerate(frames):
         if synchronized:
@@ -140,7 +141,9 @@ def test_no_frames_make_it_raise(frames: list[tuple[int, bytes, bool]]) -> None:
 @pytest.mark.parametrize("turns", [1, -1])
 def test_the_position_counts_on_across_the_counters_wrap(direction: int, turns: int) -> None:
     """Two thousand turns of a counter that begins a step before its end, to either side."""
-    feedback = CanFeedback(with_axis(AXIS, direction=direction))
+    feedback = CanFeedback(
+        with_axis(AXIS, direction=direction), product(with_axis(AXIS, direction=direction))
+    )
     feedback.expected = True
     start, step = turns * (2**31 - 5), turns * (2**30 + 7)
     feedback.synchronized(0)
@@ -149,7 +152,7 @@ def test_the_position_counts_on_across_the_counters_wrap(direction: int, turns: 
         feedback.synchronized(cycle * CYCLE)
         feedback.receive(0x282, sample(start + cycle * step), cycle * CYCLE + 1)
     public = feedback.published()
-    assert feedback.position_qc == start + 8 * step
+    assert feedback.position_counts == start + 8 * step
     assert public.position == pytest.approx(direction * (start + 8 * step) / (26 * 2000) * 2.0 * math.pi)
     assert math.copysign(1.0, public.velocity) == direction * turns
 
@@ -159,23 +162,23 @@ def test_after_a_restart_the_position_begins_again(feedback: CanFeedback) -> Non
     feedback.receive(0x282, sample(2**31 - 10), 1)
     feedback.synchronized(CYCLE)
     feedback.receive(0x282, sample(-(2**31) + 10), CYCLE + 1)
-    assert feedback.position_qc == 2**31 + 10
+    assert feedback.position_counts == 2**31 + 10
     feedback.receive(0x702, b"\0", CYCLE + 2)
     feedback.expected = True
     feedback.synchronized(2 * CYCLE)
     feedback.receive(0x282, sample(-7), 2 * CYCLE + 1)
-    assert feedback.position_qc == -7
+    assert feedback.position_counts == -7
 
 
 @given(st.lists(st.integers(-(2**31), 2**31 - 1), min_size=1, max_size=30), st.integers(-(2**31), 2**31 - 1))
 def test_no_way_is_lost_while_a_step_is_below_half_the_counter(steps: list[int], start: int) -> None:
-    feedback = CanFeedback(AXIS)
+    feedback = CanFeedback(AXIS, product(AXIS))
     feedback.expected = True
     for cycle, way in enumerate((start, *steps)):
         feedback.synchronized(cycle * CYCLE)
-        at = way if cycle == 0 else feedback.position_qc + way
+        at = way if cycle == 0 else feedback.position_counts + way
         feedback.receive(0x282, sample(at), cycle * CYCLE + 1)
-    assert feedback.position_qc == start + sum(steps)
+    assert feedback.position_counts == start + sum(steps)
 
 
 @pytest.mark.parametrize("state", [None, *PowerState], ids=str)
@@ -209,7 +212,7 @@ def test_what_everybody_may_know_is_in_si_units(feedback: CanFeedback) -> None:
 
 
 def test_before_a_drive_has_sent_anything_nothing_is_known() -> None:
-    public = CanFeedback(AXIS).published()
+    public = CanFeedback(AXIS, product(AXIS)).published()
     assert (public.power, public.text, public.fault) == (Power.UNKNOWN, "", "")
     assert public.received_at == public.sampled_at == NEVER_RECEIVED
 
@@ -235,8 +238,8 @@ def test_while_the_counter_is_set_no_way_is_a_motion(feedback: CanFeedback) -> N
     for cycle, counter in enumerate((0, 2_000_000, -2_000_000)):
         feedback.synchronized(cycle * CYCLE)
         feedback.receive(0x282, sample(counter), cycle * CYCLE + 1)
-        assert (feedback.velocity, feedback.position_qc) == (0.0, counter)
+        assert (feedback.velocity, feedback.position_counts) == (0.0, counter)
     feedback.reference_set(777)
     feedback.synchronized(9 * CYCLE)
     feedback.receive(0x282, sample(800), 9 * CYCLE + 1)
-    assert (feedback.velocity, feedback.position_qc) == (0.0, 800)
+    assert (feedback.velocity, feedback.position_counts) == (0.0, 800)

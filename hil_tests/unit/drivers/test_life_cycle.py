@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 
 from emulators.arduino_omni.board import FIRMWARES, Board
 from emulators.arduino_omni.motors import four_motors
+from firmware_bridge.canopen_drive.driver.process_data import SET_POINT, SET_POINT_COB_ID, STATUS_COB_ID
+from firmware_bridge.canopen_drive.driver.set_point import ENABLE, HALT, NEW_POSITION
 from firmware_bridge.drivers.all_drivers import all_drivers_of
 from firmware_bridge.drivers.driver import Driver, Homed, Position, Power, SetPoint, Speed, Stop
 from firmware_bridge.drivers.life_cycle import (
@@ -27,8 +29,6 @@ from firmware_bridge.drivers.life_cycle import (
 )
 from firmware_bridge.families.ar2 import wire
 from firmware_bridge.families.ar2.driver.joint import Ar2Joint
-from firmware_bridge.families.epos2.driver.process_data import SET_POINT, SET_POINT_COB_ID, STATUS_COB_ID
-from firmware_bridge.families.epos2.driver.set_point import ENABLE, HALT, NEW_POSITION
 from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
 from firmware_bridge.families.motor_shield.driver.motor import ShieldMotor

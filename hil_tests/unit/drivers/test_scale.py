@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.families.epos2.driver.scale import Scale, Travel, highest_rpm, travel_of, wrapped
-from firmware_bridge.families.epos2.driver.setup import configuration
+from firmware_bridge.canopen_drive.driver.scale import Scale, Travel, highest_speed, travel_of, wrapped
+from firmware_bridge.families.epos2.driver.product import configuration
 from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.robot import Axis
 from hil_tests.unit.drivers.robots import LINK, RARS, with_axis
@@ -27,35 +27,35 @@ def axis(ratio: float, direction: int) -> Axis:
 @pytest.mark.parametrize("direction", [1, -1])
 def test_one_turn_behind_the_gear_is_so_many_of_the_motor(direction: int) -> None:
     scale = Scale.of(with_axis(WHEEL, direction=direction))
-    assert scale.quadcounts(2.0 * math.pi) == direction * 26 * 2000
-    assert scale.rpm(2.0 * math.pi) == pytest.approx(direction * 26 * 60)
+    assert scale.counts(2.0 * math.pi) == direction * 26 * 2000
+    assert scale.speed(2.0 * math.pi) == pytest.approx(direction * 26 * 60)
 
 
 def test_rars_s_gears_are_those_of_its_thesis() -> None:
     """One degree of the pinion is 159 of the motor, one turn of the screw 25 of the motor."""
-    assert Scale.of(RARS.axis("steering")).quadcounts(math.radians(1.0)) == round(159 * 2000 / 360)
-    assert Scale.of(RARS.axis("lift")).quadcounts(2.0 * math.pi) == 25 * 2000
+    assert Scale.of(RARS.axis("steering")).counts(math.radians(1.0)) == round(159 * 2000 / 360)
+    assert Scale.of(RARS.axis("lift")).counts(2.0 * math.pi) == 25 * 2000
 
 
 @pytest.mark.parametrize("direction", [1, -1])
 def test_of_an_axis_in_meters_the_ratio_is_radians_a_meter(direction: int) -> None:
     """A wheel of 50 mm behind 26:1 turns its motor by 520 rad in a meter."""
     scale = Scale.of(with_axis(WHEEL, unit="m", ratio=26.0 / 0.05, direction=direction))
-    assert scale.quadcounts(1.0) == direction * round(520 * 2000 / (2.0 * math.pi))
-    assert scale.rpm(0.5) == pytest.approx(direction * 260 * 60 / (2.0 * math.pi))
+    assert scale.counts(1.0) == direction * round(520 * 2000 / (2.0 * math.pi))
+    assert scale.speed(0.5) == pytest.approx(direction * 260 * 60 / (2.0 * math.pi))
 
 
 @given(RATIOS, DIRECTIONS, QUADCOUNTS)
 def test_every_quadcount_comes_back(ratio: float, direction: int, quadcounts: int) -> None:
     scale = Scale.of(axis(ratio, direction))
-    assert scale.quadcounts(scale.position(quadcounts)) == quadcounts
+    assert scale.counts(scale.position(quadcounts)) == quadcounts
 
 
 @given(RATIOS, DIRECTIONS, st.floats(-1e6, 1e6))
 def test_a_position_comes_back_within_half_a_quadcount(ratio: float, direction: int, position: float) -> None:
     scale = Scale.of(axis(ratio, direction))
-    quantum = abs(1.0 / scale.quadcounts_per_unit)
-    back = scale.position(scale.quadcounts(position))
+    quantum = abs(1.0 / scale.counts_per_unit)
+    back = scale.position(scale.counts(position))
     assert abs(back - position) <= 0.5 * quantum + 4.0 * math.ulp(position)
 
 
@@ -66,9 +66,9 @@ def test_what_is_clipped_first_is_what_is_rounded_first(
     scale, travel = Scale.of(axis(ratio, direction)), Travel(min(one, other), max(one, other))
     target = scale.within(position, travel)
     if abs(position) < 1e6:
-        assert target == travel.clip(scale.quadcounts(position))
+        assert target == travel.clip(scale.counts(position))
     else:
-        assert travel.low_qc <= target <= travel.high_qc
+        assert travel.low <= target <= travel.high
 
 
 @given(RATIOS, DIRECTIONS, st.floats(-1e6, 1e6), st.floats(-1e6, 1e6))
@@ -77,8 +77,8 @@ def test_more_is_further_the_way_that_the_direction_states(
 ) -> None:
     scale = Scale.of(axis(ratio, direction))
     low, high = sorted((one, other))
-    assert direction * scale.quadcounts(low) <= direction * scale.quadcounts(high)
-    assert direction * scale.rpm(low) <= direction * scale.rpm(high)
+    assert direction * scale.counts(low) <= direction * scale.counts(high)
+    assert direction * scale.speed(low) <= direction * scale.speed(high)
 
 
 @pytest.mark.parametrize(
@@ -120,9 +120,9 @@ def test_a_travel_clips_at_both_ends(command: int, allowed: int) -> None:
 
 @pytest.mark.parametrize(("top_speed", "rpm"), [(16.0, 3972), (0.001, 0), (20.0, 4000), (1e6, 4000)])
 @pytest.mark.parametrize("direction", [1, -1])
-def test_the_highest_rpm_is_below_both_limits(top_speed: float, rpm: int, direction: int) -> None:
+def test_the_highest_speed_is_below_both_limits(top_speed: float, rpm: int, direction: int) -> None:
     limited = with_axis(WHEEL, top_speed=top_speed, direction=direction)
-    assert highest_rpm(limited) == rpm
+    assert highest_speed(limited) == rpm
 
 
 @given(st.integers(-(2**40), 2**40))

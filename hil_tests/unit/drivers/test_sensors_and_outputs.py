@@ -11,12 +11,12 @@ from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.canopen.sdo_client import Outcome, SdoRefusedError, SdoTimeoutError, Transfer
+from firmware_bridge.canopen_drive.driver.object_request import ObjectRequest
 from firmware_bridge.drivers.driver import Level, Power, Reading
 from firmware_bridge.drivers.life_cycle import DriverState
 from firmware_bridge.families.epos2.driver.inputs_outputs import (
     AnalogueInput,
     DigitalOutputs,
-    ObjectRequest,
 )
 from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
 from firmware_bridge.families.epos2.wire import address as at

@@ -7,10 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_bridge.canopen.cia402 import PowerState
+from firmware_bridge.canopen_drive.driver.feedback import DriveFeedback
+from firmware_bridge.canopen_drive.driver.scale import Scale, highest_speed
+from firmware_bridge.canopen_drive.driver.set_point import PositionSetPoint, VelocitySetPoint
 from firmware_bridge.drivers.driver import Position, SetPoint, Speed, Stop
-from firmware_bridge.families.epos2.driver.feedback import DriveFeedback
-from firmware_bridge.families.epos2.driver.scale import Scale, highest_rpm
-from firmware_bridge.families.epos2.driver.set_point import PositionSetPoint, VelocitySetPoint
+from firmware_bridge.families.epos2.driver.product import product
 from firmware_bridge.robot import Axis
 from hil_tests.rows import every
 from hil_tests.unit.drivers.robots import LINK, RARS, with_axis
@@ -23,7 +24,7 @@ NOT_ENABLED = [None, *(state for state in PowerState if state is not PowerState.
 
 def to(quadcounts: float) -> Position:
     """The set-point for a position of the steering that is given in quadcounts."""
-    return Position(quadcounts / SCALE.quadcounts_per_unit)
+    return Position(quadcounts / SCALE.counts_per_unit)
 
 
 DEMANDS: list[SetPoint] = [Speed(1.0), to(500), *Stop]
@@ -32,8 +33,8 @@ DEMANDS: list[SetPoint] = [Speed(1.0), to(500), *Stop]
 def feedback(
     axis: Axis, state: PowerState | None = PowerState.OPERATION_ENABLED, position: int = 0
 ) -> DriveFeedback:
-    made = DriveFeedback(axis)
-    made.state, made.position_qc = state, position
+    made = DriveFeedback(axis, product(axis))
+    made.state, made.position_counts = state, position
     return made
 
 
@@ -154,7 +155,7 @@ def test_a_target_never_leaves_the_travel(script: list[SetPoint | None], state: 
 @given(st.floats())
 def test_a_speed_never_exceeds_the_top_speed(rad_s: float) -> None:
     payload = wheel().frame_for(Speed(rad_s)).payload
-    assert abs(int.from_bytes(payload[2:], "little", signed=True)) <= highest_rpm(LEFT) == 3972
+    assert abs(int.from_bytes(payload[2:], "little", signed=True)) <= highest_speed(LEFT) == 3972
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])

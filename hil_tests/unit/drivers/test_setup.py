@@ -4,8 +4,10 @@ import pytest
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.families.epos2.driver import setup
-from firmware_bridge.families.epos2.driver.process_data import pdos
+from firmware_bridge.canopen_drive.driver.process_data import pdos
+from firmware_bridge.canopen_drive.driver.setup import farewell
+from firmware_bridge.canopen_drive.driver.setup_object import SetupObject
+from firmware_bridge.families.epos2.driver.product import configuration, identity
 from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.families.epos2.wire.functions import (
@@ -26,13 +28,13 @@ SAFETY = (
 )  # fmt: skip
 
 
-def rows(axis: Axis) -> tuple[setup.SetupObject, ...]:
-    return setup.configuration(axis if axis.travel else with_axis(axis, travel=(-9.0, 9.0)), TABLE)
+def rows(axis: Axis) -> tuple[SetupObject, ...]:
+    return configuration(axis if axis.travel else with_axis(axis, travel=(-9.0, 9.0)), TABLE)
 
 
 @AXES
 def test_every_value_fits_its_type(axis: Axis) -> None:
-    for row in (*setup.identity(axis), *rows(axis), *setup.farewell()):
+    for row in (*identity(axis), *rows(axis), *farewell()):
         assert row.type.lowest <= row.value <= row.type.highest, row
         assert row.type.decode(row.raw) == row.value
 
@@ -50,7 +52,7 @@ def test_every_row_states_why_and_from_where(axis: Axis) -> None:
 
 @AXES
 def test_a_mapping_is_written_while_its_pdo_is_off_and_empty(axis: Axis) -> None:
-    for pdo in pdos(axis):
+    for pdo in pdos(axis, at.CURRENT_AVERAGED):
         steps = [row for row in rows(axis) if row.address.index in (pdo.communication, pdo.mapping)]
         cob_ids = [row.value for row in steps if row.address == Address(pdo.communication, 1)]
         assert cob_ids[0] >> 31 == 1
@@ -65,7 +67,11 @@ def test_a_mapping_is_written_while_its_pdo_is_off_and_empty(axis: Axis) -> None
 
 @AXES
 def test_the_pdos_that_are_on(axis: Axis) -> None:
-    on = {pdo.cob_id: (pdo.layout.size, pdo.transmission) for pdo in pdos(axis) if pdo.layout}
+    on = {
+        pdo.cob_id: (pdo.layout.size, pdo.transmission)
+        for pdo in pdos(axis, at.CURRENT_AVERAGED)
+        if pdo.layout
+    }
     wheel = axis.command is CommandForm.SPEED
     set_point = 0x500 if wheel else 0x400
     # The wheels take their quick stop deceleration; the steering sends its position between the samples.
@@ -87,7 +93,7 @@ def test_the_heartbeat_consumer_names_the_bridge_and_its_time_out() -> None:
 
 
 def test_an_axis_without_travel_has_no_position_limits() -> None:
-    without = setup.configuration(RARS.axes[0], TABLE)
+    without = configuration(RARS.axes[0], TABLE)
     assert not {od.MIN_POSITION_LIMIT, od.MAX_POSITION_LIMIT} & {row.address for row in without}
 
 
@@ -111,13 +117,13 @@ def test_the_identity_is_the_types_whatever_its_hardware_version(
     named: int, found: int, *, right: bool
 ) -> None:
     epos2 = Epos2Axis.of(RARS.axes[0]).model_copy(update={"product_code": named})
-    product = setup.identity(RARS.axes[0].model_copy(update={"settings": epos2}))[2]
+    product = identity(RARS.axes[0].model_copy(update={"settings": epos2}))[2]
     assert product.expected == f"product code 0x{named:08X}"
     assert product.has(found.to_bytes(4, "little")) is right
 
 
 def test_an_answer_of_the_wrong_length_is_shown_as_bytes() -> None:
-    row = setup.identity(RARS.axes[0])[2]
+    row = identity(RARS.axes[0])[2]
     assert row.expected == "product code 0x64200000"
     assert row.show(b"\1\2") == "2 bytes 01 02"
 
@@ -126,7 +132,7 @@ def test_an_answer_of_the_wrong_length_is_shown_as_bytes() -> None:
 def test_the_position_limits_are_the_travel_and_the_following_error(direction: int) -> None:
     """RARS's lift: extended, it has turned its motor by 2890879 quadcounts (thesis 2.5)."""
     lift = with_axis(RARS.axis("lift"), direction=direction)
-    limits = {row.address: row.value for row in setup.configuration(lift, TABLE)}
+    limits = {row.address: row.value for row in configuration(lift, TABLE)}
     low, high = sorted((0, direction * 2_890_879))
     assert limits[od.MIN_POSITION_LIMIT] == low - 4_000
     assert limits[od.MAX_POSITION_LIMIT] == high + 4_000
@@ -139,12 +145,12 @@ def output(pin: int) -> Output:
 
 def test_a_drive_without_outputs_keeps_its_pins() -> None:
     pins = {0x2078, 0x2079}
-    assert not [row for row in setup.configuration(RARS.axes[0], TABLE) if row.address.index in pins]
+    assert not [row for row in configuration(RARS.axes[0], TABLE) if row.address.index in pins]
 
 
 def test_an_output_gets_a_pin_and_a_bit_in_the_mask() -> None:
     """Pin 1 is general purpose A, bit 15, as in the EDS; polarity and state are left alone."""
-    rows = {row.address: row for row in setup.configuration(RARS.axes[0], TABLE, (output(1), output(4)))}
+    rows = {row.address: row for row in configuration(RARS.axes[0], TABLE, (output(1), output(4)))}
     assert [rows[OUTPUT_PINS[pin - 1]].value for pin in (1, 4)] == [15, 12]
     assert rows[OUTPUT_MASK].value == 0x9000
     assert rows[OUTPUT_MASK].read_back

@@ -5,11 +5,12 @@ from typing import Final
 import pytest
 
 from firmware_bridge.canopen.cia402 import PowerState
+from firmware_bridge.canopen_drive.driver.feedback import DriveFeedback
+from firmware_bridge.canopen_drive.driver.set_point import PositionSetPoint
+from firmware_bridge.canopen_drive.driver.task_runner import WITHIN, TaskRunner
 from firmware_bridge.drivers.life_cycle import DriverState, Task, Transition
 from firmware_bridge.drivers.script_runner import ScriptRunner
-from firmware_bridge.families.epos2.driver.feedback import DriveFeedback
-from firmware_bridge.families.epos2.driver.set_point import PositionSetPoint
-from firmware_bridge.families.epos2.driver.task_runner import WITHIN, TaskRunner
+from firmware_bridge.families.epos2.driver.product import product
 from firmware_bridge.robot import CommandForm
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import SECOND
@@ -35,7 +36,7 @@ class Tasks:
 
     def __init__(self) -> None:
         self.client = Client()
-        self.feedback = DriveFeedback(AXIS)
+        self.feedback = DriveFeedback(AXIS, product(AXIS))
         scripts = ScriptRunner(self.client)
         self.runner = TaskRunner(AXIS, self.feedback, PositionSetPoint(AXIS, self.feedback), scripts, ())
 

@@ -62,7 +62,7 @@ class Rars:
         names = [axis.name for axis in robot.axes]
         outputs = (*plant_outputs(names), *EXTRA)
         self.plant = FmuPlant(ensure("rars"), plant_inputs(names), outputs, parameters)
-        axes = [ServoAxis(axis.name, Epos2Axis.of(axis).quadcounts_per_turn) for axis in robot.axes]
+        axes = [ServoAxis(axis.name, Epos2Axis.of(axis).counts_per_turn) for axis in robot.axes]
         self.axes = dict(zip(names, axes, strict=True))
         self.bank = ServoBank(self.plant, axes, supply=outputs.index("battery_voltage"))
         self.reported: list[tuple[str, int]] = []

@@ -3,14 +3,15 @@
 import pytest
 
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.families.epos2.driver.scale import Scale
+from firmware_bridge.canopen_drive.driver.scale import Scale
+from firmware_bridge.families.epos2.driver.product import product
 from firmware_bridge.families.epos2.driver.serial.feedback import SerialFeedback
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from hil_tests.unit.drivers.robots import RARS
 
 AXIS = RARS.axes[0]
-QUADCOUNTS_PER_RADIAN = Scale.of(AXIS).quadcounts_per_unit
+QUADCOUNTS_PER_RADIAN = Scale.of(AXIS).counts_per_unit
 CYCLE = 50 * MILLISECOND
 ENABLED, DISABLED, NOT_REMOTE = 0x0337, 0x0340, 0x0140
 REFERENCED = 0x8000
@@ -18,7 +19,7 @@ REFERENCED = 0x8000
 
 @pytest.fixture
 def feedback() -> SerialFeedback:
-    made = SerialFeedback(AXIS)
+    made = SerialFeedback(AXIS, product(AXIS))
     made.expected = True
     return made
 
@@ -37,7 +38,7 @@ def test_a_sample_is_whole_when_position_and_statusword_have_come(feedback: Seri
     feedback.position_read(100, CYCLE + MILLISECOND)
     assert feedback.received_at == NEVER_RECEIVED
     feedback.statusword_read(ENABLED, CYCLE + 9 * MILLISECOND)
-    assert (feedback.position_qc, feedback.sampled_at, feedback.received_at) == (
+    assert (feedback.position_counts, feedback.sampled_at, feedback.received_at) == (
         100,
         CYCLE,
         CYCLE + 9 * MILLISECOND,
@@ -63,7 +64,7 @@ def test_whenever_in_the_cycle_it_is_read_the_position_is_that_of_the_begin(
     """At 20 quadcounts a millisecond: two wheels that are read apart must not look like a turn."""
     for number in (1, 2, 3):
         cycle(feedback, number, 20 * (50 * number + requested_ms), requested_ms * MILLISECOND)
-    assert feedback.position_qc == 20 * 150
+    assert feedback.position_counts == 20 * 150
     assert feedback.velocity == pytest.approx(20_000 / QUADCOUNTS_PER_RADIAN)
 
 
@@ -109,17 +110,17 @@ def test_the_position_counts_on_across_the_wrap(feedback: SerialFeedback, turns:
     for number in range(1, 12):
         place = start + (number - 1) * step
         cycle(feedback, number, (place + 2**31) % 2**32 - 2**31, 0)
-    assert feedback.position_qc == start + 10 * step
+    assert feedback.position_counts == start + 10 * step
 
 
 def test_after_a_lost_line_the_position_begins_again(feedback: SerialFeedback) -> None:
     cycle(feedback, 1, 2**31 - 10, 0)
     cycle(feedback, 2, -(2**31) + 10, 0)
-    assert feedback.position_qc == 2**31 + 10
+    assert feedback.position_counts == 2**31 + 10
     feedback.lose()
     feedback.expected = True
     cycle(feedback, 3, -500, 0)
-    assert (feedback.position_qc, feedback.velocity) == (-500, 0.0)
+    assert (feedback.position_counts, feedback.velocity) == (-500, 0.0)
 
 
 def test_a_drive_that_is_not_remote_any_more_has_lost_its_zero(feedback: SerialFeedback) -> None:
@@ -133,7 +134,7 @@ def test_while_the_counter_is_set_no_way_is_a_motion(feedback: SerialFeedback) -
     cycle(feedback, 1, 100, MILLISECOND)
     feedback.zeroing = True
     cycle(feedback, 2, 900_000, MILLISECOND)
-    assert (feedback.velocity, feedback.position_qc) == (0.0, 900_000)
+    assert (feedback.velocity, feedback.position_counts) == (0.0, 900_000)
     feedback.reference_set(500)
     cycle(feedback, 3, 510, MILLISECOND)
-    assert (feedback.velocity, feedback.position_qc) == (0.0, 510)
+    assert (feedback.velocity, feedback.position_counts) == (0.0, 510)

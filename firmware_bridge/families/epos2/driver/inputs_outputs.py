@@ -4,15 +4,15 @@ The link is not known here: a drive takes an `ObjectRequest` and ends it.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Final, Protocol
 
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import DataType
-from firmware_bridge.canopen.sdo_client import Outcome, SdoError, SdoTimeoutError, Transfer
+from firmware_bridge.canopen.sdo_client import SdoError, SdoTimeoutError, Transfer
+from firmware_bridge.canopen_drive.driver.object_request import ObjectRequest
 from firmware_bridge.drivers.driver import Level, Reading
 from firmware_bridge.drivers.life_cycle import DriverState
-from firmware_bridge.families.epos2.driver.setup import general_purpose
+from firmware_bridge.families.epos2.driver.product import general_purpose
 from firmware_bridge.families.epos2.settings import Epos2AnalogueInput, Epos2DigitalOutput
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.families.epos2.wire.functions import OUTPUT_STATE
@@ -24,20 +24,6 @@ from firmware_bridge.units import Nanoseconds
 MILLIVOLTS: Final = 1000.0
 _VOLTAGE: Final = DataType.INTEGER16
 _STATE: Final = DataType.UNSIGNED16
-
-
-@dataclass(slots=True, eq=False)
-class ObjectRequest:
-    """One object to read or to write. Over without an outcome: it was dropped, and may not have left."""
-
-    transfer: Transfer
-    over: bool = False
-    outcome: Outcome | None = None
-    ended_at: Nanoseconds = NEVER_RECEIVED
-
-    def end(self, outcome: Outcome, now: Nanoseconds) -> None:
-        """Take the outcome."""
-        self.over, self.outcome, self.ended_at = True, outcome, now
 
 
 class IoDrive(Protocol):

@@ -1,114 +1,24 @@
-"""The stop stages of one EPOS2, over CAN and over a serial line: rows, the gentlest first.
-
-Sources: Controlwords as in `families.epos2.driver.set_point`; heartbeat consumer (0x1016), its
-reaction (0x6007) and reset node (transition 19, which disables the power): EPOS Firmware Specification, by
-analogy. In which network states the consumer lives is inferred: CiA 301 has error control in all of them,
-stopped included, SDO in all but stopped, PDO in operational only. Reset communication restores the saved
-0x1016, by default no heartbeat consumer: then silence stops no drive, and objects or the reset must.
-"""
+"""The stop stages of an EPOS2 as its link carries them, and what stops it without the bridge."""
 
 from typing import Final
 
-from firmware_bridge.drivers.driver import Stop
-from firmware_bridge.drivers.life_cycle import Transition
-from firmware_bridge.drivers.stop_stages import CREEPS, StopStage
-from firmware_bridge.families.epos2.driver.scale import Scale
-from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Driver, Epos2Link
+from firmware_bridge.canopen_drive.driver import stops
+from firmware_bridge.canopen_drive.driver.stops import ON_CAN, Carrier
+from firmware_bridge.drivers.stop_stages import StopStage
+from firmware_bridge.families.epos2.settings import Epos2Driver, Epos2Link
 from firmware_bridge.robot import AnyRobot, Axis
 
-_WRITTEN: Final = {Epos2Driver.CAN: "by PDO", Epos2Driver.SERIAL: "by WriteObject"}
-_SILENCE: Final = {
-    Epos2Driver.CAN: "the bridge's heartbeat withheld",
-    Epos2Driver.SERIAL: "the bridge's heartbeat (command 0x20) and the guarding (0x21) withheld",
+CARRIERS: Final = {
+    Epos2Driver.CAN: ON_CAN,
+    Epos2Driver.SERIAL: Carrier(
+        "by WriteObject",
+        "the bridge's heartbeat (command 0x20) and the guarding (0x21) withheld",
+        "NMT service 129, reset node",
+        process_data=False,
+    ),
 }
-_RESET: Final = {Epos2Driver.CAN: "NMT reset node", Epos2Driver.SERIAL: "NMT service 129, reset node"}
-
-CONFIRMED_BY: Final = "a sample with the axis at standstill, or a statusword of a state without torque"
 
 
 def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
     """Return the stop stages of one drive of a robot. TypeError where no EPOS2 is on its link."""
-    link = robot.links[axis.link]
-    if not isinstance(link, Epos2Link):
-        raise TypeError(f"no EPOS2 is on the link of '{axis.name}'")
-    times, over_can = link.confirmed(robot.cycle), link.driver is Epos2Driver.CAN
-    per_unit = abs(Scale.of(axis).rpm_per_unit_s)
-    quick = Epos2Axis.of(axis).profile.quick_stop_rpm_s / per_unit
-    how = _WRITTEN[link.driver]
-    gentle = (
-        StopStage(
-            "ramp",
-            f"target 0, or halt, {how} in every cycle",
-            Stop.STANDSTILL,
-            max(CREEPS, times.ramp),
-            Epos2Axis.of(axis).profile.deceleration_rpm_s / per_unit,
-            slows_within=times.ramp,
-        ),
-        StopStage(
-            f"quick stop {how}",
-            f"NMT start, so that it receives; 0x6040 = 0x000B {how} in every cycle",
-            Stop.QUICK_STOP,
-            max(CREEPS, times.quick_stop),
-            quick,
-            slows_within=times.quick_stop,
-            transition=Transition.LISTEN,
-        ),
-    )
-    # On a serial line objects are written in either case: there is one way to a drive, and no other to try.
-    over_can_alone = (
-        StopStage(
-            f"power off {how}",
-            f"0x6040 = 0x0000 {how} in every cycle",
-            Stop.POWER_OFF,
-            times.power_off,
-            ends_power=True,
-            ordered_off=True,
-        ),
-        StopStage(
-            "quick stop by SDO",
-            "0x6040 = 0x000B by SDO, and 0x6028 until standstill",
-            Stop.QUICK_STOP,
-            times.by_object,
-            quick,
-            transition=Transition.QUICK_STOP,
-            ends_with_transition=True,
-        ),
-    )
-    at_last = (
-        StopStage(
-            "power off by SDO" if over_can else f"power off {how}",
-            f"0x6040 = 0x0000 {'by SDO' if over_can else how}, and 0x6041 until it confirms",
-            Stop.POWER_OFF,
-            # A serial line may have to wait first for what a silent drive keeps it with.
-            times.by_object if over_can else 2 * times.by_object,
-            transition=Transition.POWER_OFF,
-            ends_power=True,
-        ),
-        StopStage(
-            "silence",
-            _SILENCE[link.driver],
-            Stop.POWER_OFF,
-            times.silence,
-            quick,
-            silent=True,
-            takes_all=True,
-            ends_power=True,
-            note="every drive on the link stops by its heartbeat consumer; then no power",
-        ),
-        StopStage(
-            "reset",
-            _RESET[link.driver],
-            Stop.POWER_OFF,
-            times.reset,
-            transition=Transition.RESET,
-            ends_power=True,
-            note="no torque from then on; the drive's reference is lost",
-        ),
-    )
-    return (*gentle, *(over_can_alone if over_can else ()), *at_last)
-
-
-def alone(robot: AnyRobot, link: str) -> str:
-    """Return what stops the drives on a link when the bridge falls silent."""
-    silent = Epos2Link.of_link(robot, link).bridge_silent_ms
-    return f"each drive's heartbeat consumer, after {silent} ms: quick stop, then no power"
+    return stops.stop_stages(robot, axis, CARRIERS[Epos2Link.of_link(robot, axis.link).driver])

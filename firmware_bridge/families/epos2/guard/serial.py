@@ -16,15 +16,16 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.objects import CONSUMER_HEARTBEAT_1, CONTROLWORD, POSITION_ACTUAL, STATUSWORD
-from firmware_bridge.families.epos2.guard.axis import GuardedAxis
-from firmware_bridge.families.epos2.guard.words import (
+from firmware_bridge.canopen_drive.guard.axis import GuardedAxis
+from firmware_bridge.canopen_drive.guard.values import Values, Writes
+from firmware_bridge.canopen_drive.guard.words import (
     CONTROLWORDS,
     LISTED_NMT,
     START_HOMING,
     TARGET,
     GuardedSetPoint,
 )
-from firmware_bridge.families.epos2.guard.writes import Values, Writes, writes_over_serial
+from firmware_bridge.families.epos2.guard.product import product, writes_over_serial
 from firmware_bridge.families.epos2.maxon.frame import MaxonAnswer
 from firmware_bridge.families.epos2.maxon.messages import (
     ObjectRead,
@@ -41,7 +42,7 @@ from firmware_bridge.families.epos2.maxon.packets import outcome_of, request_of
 from firmware_bridge.families.epos2.settings import Epos2Link, nodes_on
 from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.units import Nanoseconds
@@ -59,7 +60,7 @@ class Epos2SerialRules(WireRules):
 
     def __init__(self, robot: AnyRobot, link: str) -> None:
         self.link = link
-        self.axes = tuple(GuardedAxis(axis, robot) for axis in robot.axes_on(link))
+        self.axes = tuple(GuardedAxis(axis, robot, product(axis, robot)) for axis in robot.axes_on(link))
         bus = Epos2Link.of_link(robot, link)
         self.writes: Final[Mapping[int, Writes]] = {axis.node: _all_writes(axis, robot) for axis in self.axes}
         """The permitted writes, by node."""
@@ -95,6 +96,10 @@ class Epos2SerialRules(WireRules):
             for axis in self.axes_of(packet)
             if isinstance(request, WriteObject)
         }
+
+    def permitted(self, axis: Axis) -> str:
+        """Describe the targets that an axis of the link may be sent."""
+        return next(one.permitted for one in self.axes if one.axis.name == axis.name)
 
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Look into the list, and at what is in force."""
@@ -184,7 +189,7 @@ class Epos2SerialRules(WireRules):
 
 
 def _all_writes(axis: GuardedAxis, robot: AnyRobot) -> Writes:
-    homing = () if axis.zeroing.homes is None else (START_HOMING,)
+    homing = () if axis.axis.travel is None else (START_HOMING,)
     return {
         **writes_over_serial(axis.axis, robot),
         CONTROLWORD: Values(DataType.UNSIGNED16, (*CONTROLWORDS[axis.axis.command], *homing)),

@@ -66,6 +66,11 @@ class GuardedMotor:
         """Since when it has not been driven."""
 
     @property
+    def permitted(self) -> str:
+        """The values that it may be sent."""
+        return f"-{self.most} to {self.most} {self.unit}"
+
+    @property
     def powered(self) -> bool:
         """True while its half bridge is not released, as far as commanded."""
         return bool(self._inputs.in1 or self._inputs.in2)
@@ -153,6 +158,10 @@ class ShieldRules(WireRules):
         command = self._command(packet) or ListedCommand()
         motors = ((self._motors[number], inputs) for number, inputs in command.drives.items())
         return {motor: motor.requested_by(inputs) for motor, inputs in motors}
+
+    def permitted(self, axis: Axis) -> str:
+        """Describe the targets that an axis of the link may be sent."""
+        return next(one.permitted for one in self._motors.values() if one.axis.name == axis.name)
 
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Look into the list, and at what is in force."""

@@ -11,12 +11,16 @@ from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen_drive.driver.drive import Drive
+from firmware_bridge.canopen_drive.driver.feedback import FAULT_STATES
+from firmware_bridge.canopen_drive.driver.object_request import ObjectRequest
+from firmware_bridge.canopen_drive.driver.process_data import SET_POINT
+from firmware_bridge.canopen_drive.driver.set_point import DISABLE_VOLTAGE, ENABLE, NEW_POSITION
+from firmware_bridge.canopen_drive.driver.tasks import NEWEST_ERROR
 from firmware_bridge.drivers.driver import SetPoint
 from firmware_bridge.drivers.life_cycle import Task, Transition
-from firmware_bridge.families.epos2.driver.drive import Epos2Drive
-from firmware_bridge.families.epos2.driver.feedback import FAULT_STATES
-from firmware_bridge.families.epos2.driver.inputs_outputs import ObjectRequest, outputs_at
-from firmware_bridge.families.epos2.driver.process_data import SET_POINT
+from firmware_bridge.families.epos2.driver.inputs_outputs import outputs_at
+from firmware_bridge.families.epos2.driver.product import configuration, product, through_gateway
 from firmware_bridge.families.epos2.driver.serial.client import (
     SerialClient,
     outcome_of,
@@ -36,9 +40,6 @@ from firmware_bridge.families.epos2.driver.serial.feedback import (
     SerialFeedback,
 )
 from firmware_bridge.families.epos2.driver.serial.proof import Proof
-from firmware_bridge.families.epos2.driver.set_point import DISABLE_VOLTAGE, ENABLE, NEW_POSITION
-from firmware_bridge.families.epos2.driver.setup import configuration, through_gateway
-from firmware_bridge.families.epos2.driver.tasks import NEWEST_ERROR
 from firmware_bridge.families.epos2.maxon.messages import (
     ObjectRead,
     ReadObject,
@@ -59,7 +60,7 @@ NOTICED_CYCLES: Final = 4
 """So many cycles after its watch has ended at the latest a drive's fault is read."""
 
 
-class Epos2OnSerial(Epos2Drive[SerialFeedback]):
+class Epos2OnSerial(Drive[SerialFeedback]):
     """One drive; a `firmware_bridge.drivers.driver.Driver`."""
 
     __slots__ = ("_exchange", "_proof", "_taken", "_watch", "_writes", "present")
@@ -71,7 +72,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         self._exchange = exchange
         link = Epos2Link.of_link(robot, axis.link)
         traffic = through_gateway(axis, link, nodes_on(robot, axis.link))
-        feedback = SerialFeedback(axis)
+        feedback = SerialFeedback(axis, product(axis))
         self._proof = Proof(
             axis,
             feedback,
@@ -206,7 +207,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
             if feedback.state in FAULT_STATES and not feedback.fault:
                 self.read(_NEWEST_ERROR, Rank.SAMPLE)
         elif address == CURRENT.address:
-            feedback.current_ma, feedback.current_at = CURRENT.type.decode(raw), now
+            feedback.current, feedback.current_at = CURRENT.type.decode(raw), now
         elif address == ERROR_REGISTER.address and raw != b"\0" and not feedback.fault and not self.busy:
             self.read(_NEWEST_ERROR, Rank.ROTATING)
         elif address == self._watch.address:

@@ -11,10 +11,10 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import Status
 from firmware_bridge.canopen.data_type import DataType
-from firmware_bridge.families.epos2.driver.feedback import DriveFeedback
-from firmware_bridge.families.epos2.driver.scale import wrapped
+from firmware_bridge.canopen_drive.driver.feedback import DriveFeedback
+from firmware_bridge.canopen_drive.driver.product import DriveProduct
+from firmware_bridge.canopen_drive.driver.scale import wrapped
 from firmware_bridge.families.epos2.wire import address as at
-from firmware_bridge.families.epos2.wire.power_states import state_of
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
@@ -54,8 +54,8 @@ IN_TURN: Final = (CURRENT, ERROR_REGISTER)
 class SerialFeedback(DriveFeedback):
     """Filled in from the objects of one drive. A sample is whole when both have come in one cycle."""
 
-    def __init__(self, axis: Axis) -> None:
-        super().__init__(axis)
+    def __init__(self, axis: Axis, product: DriveProduct) -> None:
+        super().__init__(axis, product)
         self._cycle_at: Nanoseconds = NEVER_RECEIVED
         self._position: tuple[int, Nanoseconds] | None = None
         """This cycle's position, and the time of its request."""
@@ -82,8 +82,8 @@ class SerialFeedback(DriveFeedback):
         if self.expected and self.operational and not remote:
             self.restart()
         self.operational = remote
-        self.on_statusword(word)
-        self.state = state_of(word) if remote else None
+        state = self.on_statusword(word)
+        self.state = state if remote else None
         if self._position is not None and self.expected:
             self._sample(*self._position, now)
 
@@ -115,6 +115,6 @@ class SerialFeedback(DriveFeedback):
             # By its speed back to the cycle's begin, the common instant of all drives.
             shift = round(moved * (requested_at - self._cycle_at) / elapsed)
         self._before = position, requested_at
-        self.position_qc = position - shift
+        self.position_counts = position - shift
         self.sampled_at = self._cycle_at
         self.received_at = now

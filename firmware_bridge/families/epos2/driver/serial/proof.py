@@ -5,11 +5,11 @@ gateway, on more than that, and no bridge shall move a robot on an assumption.
 """
 
 from firmware_bridge.canopen.data_type import DataType
+from firmware_bridge.canopen_drive.driver.feedback import FAULT_STATES, DriveFeedback
+from firmware_bridge.canopen_drive.driver.steps import pause, read
+from firmware_bridge.canopen_drive.driver.tasks import NEWEST_ERROR
 from firmware_bridge.drivers.driver import StartupError
 from firmware_bridge.drivers.script_runner import Do, Script, Until
-from firmware_bridge.families.epos2.driver.feedback import FAULT_STATES, DriveFeedback
-from firmware_bridge.families.epos2.driver.steps import pause, read
-from firmware_bridge.families.epos2.driver.tasks import NEWEST_ERROR
 from firmware_bridge.families.epos2.wire.emergency import CONNECTION_LOST
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import MILLISECOND, Nanoseconds

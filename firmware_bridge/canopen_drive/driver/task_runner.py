@@ -1,17 +1,17 @@
-"""The tasks of one EPOS2: the one under way, and the failure of one. The link is not known here."""
+"""The tasks of one drive: the one under way, and the failure of one. The link is not known here."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Final
 
+from firmware_bridge.canopen_drive.driver import tasks as scripts
+from firmware_bridge.canopen_drive.driver import zero
+from firmware_bridge.canopen_drive.driver.feedback import DriveFeedback
+from firmware_bridge.canopen_drive.driver.set_point import QUICK_STOP, DriveSetPoint
+from firmware_bridge.canopen_drive.driver.setup_object import SetupObject
 from firmware_bridge.drivers.driver import SetPoint, StartupError, Stop
 from firmware_bridge.drivers.life_cycle import NOT_ENDED, DriverState, LifeCycle, Task, Transition
 from firmware_bridge.drivers.script_runner import Do, Script, ScriptRunner
-from firmware_bridge.families.epos2.driver import tasks as scripts
-from firmware_bridge.families.epos2.driver import zero
-from firmware_bridge.families.epos2.driver.feedback import DriveFeedback
-from firmware_bridge.families.epos2.driver.set_point import QUICK_STOP, Epos2SetPoint
-from firmware_bridge.families.epos2.driver.setup import SetupObject
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, to_seconds
@@ -45,7 +45,7 @@ class TaskRunner:
         self,
         axis: Axis,
         feedback: DriveFeedback,
-        set_point: Epos2SetPoint,
+        set_point: DriveSetPoint,
         runner: ScriptRunner,
         configuration: tuple[SetupObject, ...],
         *,
@@ -59,13 +59,13 @@ class TaskRunner:
         self._started = started
         self._made: Final[Mapping[Task, Callable[[], Script]]] = {
             Task.FIND: partial(scripts.find, axis, feedback),
-            Task.IDENTIFY: partial(scripts.identify, axis),
+            Task.IDENTIFY: partial(scripts.identify, axis, feedback.product.identity),
             Task.CONFIGURE: partial(scripts.configure, axis, feedback, configuration),
             Task.START: self._start,
             Task.ENABLE: partial(scripts.enable, axis, feedback, set_point),
             Task.LEAVE: partial(scripts.leave, axis, feedback, set_point),
             Task.LISTEN: partial(scripts.listen, axis),
-            Task.BRAKE: partial(scripts.brake, axis),
+            Task.BRAKE: partial(scripts.brake, axis, feedback),
             Task.DISABLE: partial(scripts.disable, axis, feedback),
             Task.RESET: partial(scripts.reset, axis, feedback),
             Task.SET_ZERO: self._set_zero,

@@ -1,24 +1,20 @@
-"""The newest data of one EPOS2, and their meaning for the bridge: SI units, five power states.
+"""The newest data of one drive, and their meaning for the bridge: SI units, five power states.
 
 CAN frames and serial answers fill it in; tasks and set-points look into it.
 """
 
 from collections.abc import Mapping
-from functools import cache
 from typing import Final
 
 from firmware_bridge.canopen.cia402 import PowerState, Status
-from firmware_bridge.drivers.driver import Between, Feedback, Power, Reports
-from firmware_bridge.families.epos2.driver.scale import Scale, wrapped
-from firmware_bridge.families.epos2.settings import Epos2Axis
-from firmware_bridge.families.epos2.wire.emergency import EMERGENCIES
-from firmware_bridge.families.epos2.wire.power_states import state_of
+from firmware_bridge.canopen_drive.driver.product import DriveProduct
+from firmware_bridge.canopen_drive.driver.scale import Scale, wrapped
+from firmware_bridge.canopen_drive.settings import DriveAxis
+from firmware_bridge.drivers.driver import Between, Feedback, Power
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
-REPORTS: Final = frozenset(Reports)
-"""An EPOS2 has all reports that there are."""
 POWERED: Final = (
     PowerState.REFRESH,
     PowerState.MEASURE_INIT,
@@ -45,26 +41,21 @@ _SHOWN: Final[Mapping[PowerState | None, tuple[Power, str]]] = {
 """Power and text of each state."""
 POSITIONS_APART: Final = (2 * MILLISECOND, 30 * MILLISECOND)
 """Least and most time between two positions that give a speed: less is the bus' jitter, more is a gap."""
-MILLIAMPERES: Final = 1000.0
-_REFERENCED: Final = int(Status.REFERENCED)
 _ATTAINED: Final = int(Status.HOMING_ATTAINED)
-
-
-@cache
-def in_words(code: int) -> str:
-    """Return an error's code, and its cause where it is known."""
-    known = EMERGENCIES.get(code)
-    return f"0x{code:04X}" + (f", {known.cause}" if known else "")
 
 
 class DriveFeedback:
     """One drive's record."""
 
-    def __init__(self, axis: Axis) -> None:
+    def __init__(self, axis: Axis, product: DriveProduct) -> None:
         self._axis: Final = axis.name
         self._scale: Final = Scale.of(axis)
+        self.product: Final = product
+        self._states: Final = product.states
+        self._referenced: Final = product.referenced
+        self._amperes: Final = product.amperes
         self._top_speed: Final = axis.top_speed
-        self._lead_s: Final = Epos2Axis.of(axis).position_lead_ms / 1000.0
+        self._lead_s: Final = DriveAxis.of(axis).position_lead_ms / 1000.0
         self.state: PowerState | None = None
         """None while it is unknown, or the drive does not listen to set-points."""
         self.statusword = 0
@@ -80,13 +71,14 @@ class DriveFeedback:
         """True once this bridge has defined the data of a cycle, which count only from then on."""
         self.received_at: Nanoseconds = NEVER_RECEIVED
         self.sampled_at: Nanoseconds = NEVER_RECEIVED
-        self.position_qc = 0
+        self.position_counts = 0
         """Counted on across the wrap of the drive's counter."""
         self.velocity = 0.0
         """In the axis's unit a second, the mean between the last two samples."""
         self.between: Between | None = None
         """The newest position, where it sends some between samples; None before the first."""
-        self.current_ma = 0
+        self.current = 0
+        """In the drive's own unit."""
         self.current_at: Nanoseconds = NEVER_RECEIVED
         """Time of its arrival."""
         self.fault = 0
@@ -106,33 +98,33 @@ class DriveFeedback:
 
         Return its state.
 
-        Assumed: switching off or a reset clears bit 15, homing by any method sets it.
+        Assumed: switching off or a reset clears the bits of a known position, homing by any method sets them.
         """
         self.statusword = statusword
-        if not statusword & _REFERENCED:
+        if statusword & self._referenced != self._referenced:
             self.reference_lost = True
         # Bit 12 in homing mode: from here on the count may jump, which is no motion.
         if self.seeking and statusword & _ATTAINED:
             self.zeroing = True
-        state = state_of(statusword)
+        state = self._states.state_of(statusword)
         # An unknown pattern proves nothing, so it does not count as without power.
         self.unpowered = state is not None and state not in POWERED
         return state
 
     def moved_to(self, counter: int) -> int:
-        """Return the way in quadcounts from the newest position to what the drive's counter shows now."""
+        """Return the way in counts from the newest position to what the drive's counter shows now."""
         # Less than half the counter between two samples: the sign of the difference is then certain.
-        return wrapped(counter - self.position_qc)
+        return wrapped(counter - self.position_counts)
 
-    def move(self, quadcounts: int, elapsed: Nanoseconds) -> None:
+    def move(self, counts: int, elapsed: Nanoseconds) -> None:
         """Take the mean velocity from a way and its time."""
-        self.velocity = quadcounts / self._scale.quadcounts_per_unit / to_seconds(elapsed)
+        self.velocity = counts / self._scale.counts_per_unit / to_seconds(elapsed)
 
     def passes(self, counter: int, now: Nanoseconds) -> None:
         """Take a position between two samples."""
         # Without a sample in the same count there is nothing to add it to.
         if self.sampled_at != NEVER_RECEIVED and not self.zeroing:
-            position = self._scale.position(self.position_qc + self.moved_to(counter))
+            position = self._scale.position(self.position_counts + self.moved_to(counter))
             self.between = Between(now, position, position + self._lead(position, now))
 
     def _lead(self, position: float, now: Nanoseconds) -> float:
@@ -164,8 +156,13 @@ class DriveFeedback:
     def reference_set(self, counter: int) -> None:
         """Count from the zero that was just set; that is what the drive's counter shows by it."""
         self.reference_lost = self.zeroing = self.seeking = False
-        self.position_qc = counter
+        self.position_counts = counter
         self.forget_motion()
+
+    def in_words(self, code: int) -> str:
+        """Return an error's code, and its cause where it is known."""
+        cause = self.product.causes.get(code)
+        return f"0x{code:04X}" + (f", {cause}" if cause else "")
 
     def published(self) -> Feedback:
         """Return its published state."""
@@ -176,11 +173,11 @@ class DriveFeedback:
             power=power,
             received_at=self.received_at,
             sampled_at=self.sampled_at,
-            position=self._scale.position(self.position_qc),
+            position=self._scale.position(self.position_counts),
             velocity=self.velocity,
-            current_a=self.current_ma / MILLIAMPERES,
+            current_a=self.current * self._amperes,
             current_at=self.current_at,
-            fault=in_words(fault) if fault else "",
+            fault=self.in_words(fault) if fault else "",
             text=text,
             reference_lost=self.reference_lost,
             rewritten=self.rewritten,

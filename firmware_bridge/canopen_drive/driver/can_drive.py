@@ -1,35 +1,37 @@
-"""One EPOS2 on CAN as the bridge sees it: tasks, set-points, what it has sent. Bytes and time only."""
+"""One drive on CAN as the bridge sees it: tasks, set-points, what it has sent. Bytes and time only."""
 
 from collections import deque
 from typing import Final
 
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen.sdo_client import NodeClient
+from firmware_bridge.canopen_drive.driver.can_feedback import CanFeedback
+from firmware_bridge.canopen_drive.driver.drive import Drive
+from firmware_bridge.canopen_drive.driver.object_request import ObjectRequest
+from firmware_bridge.canopen_drive.driver.process_data import BRAKING, BRAKING_COB_ID
+from firmware_bridge.canopen_drive.driver.product import DriveProduct
+from firmware_bridge.canopen_drive.driver.scale import in_units
+from firmware_bridge.canopen_drive.driver.setup_object import SetupObject
+from firmware_bridge.canopen_drive.settings import DriveAxis
 from firmware_bridge.drivers.driver import SetPoint, Speed
 from firmware_bridge.drivers.life_cycle import Task, Transition
-from firmware_bridge.families.epos2.driver.can.feedback import CanFeedback
-from firmware_bridge.families.epos2.driver.drive import Epos2Drive
-from firmware_bridge.families.epos2.driver.inputs_outputs import ObjectRequest
-from firmware_bridge.families.epos2.driver.process_data import BRAKING, BRAKING_COB_ID
-from firmware_bridge.families.epos2.driver.setup import configuration
-from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Axis, Output
+from firmware_bridge.robot import Axis
 from firmware_bridge.units import NEVER, Nanoseconds
 
 
-class Epos2OnCan(Epos2Drive[CanFeedback]):
+class DriveOnCan(Drive[CanFeedback]):
     """One drive; a `firmware_bridge.drivers.driver.Driver`."""
 
     __slots__ = ("_answers", "_braking", "_client", "_requests", "wake_at")
 
-    def __init__(self, axis: Axis, link: Epos2Link, outputs: tuple[Output, ...] = ()) -> None:
-        """Take the axis, its link, and what is switched at its drive."""
-        self._client: Final = NodeClient(axis.link, Epos2Axis.of(axis).node)
-        super().__init__(axis, CanFeedback(axis), self._client, configuration(axis, link, outputs))
-        self._answers: Final = cia301.SDO_RESPONSE + Epos2Axis.of(axis).node
+    def __init__(self, axis: Axis, product: DriveProduct, rows: tuple[SetupObject, ...]) -> None:
+        """Take the axis, what its drive is, and its set-up."""
+        self._client: Final = NodeClient(axis.link, DriveAxis.of(axis).node)
+        super().__init__(axis, CanFeedback(axis, product), self._client, rows)
+        self._answers: Final = cia301.SDO_RESPONSE + DriveAxis.of(axis).node
         """Identifier of its SDO server's answers."""
-        self._braking: Final = BRAKING_COB_ID + Epos2Axis.of(axis).node
+        self._braking: Final = BRAKING_COB_ID + DriveAxis.of(axis).node
         self.wake_at: Nanoseconds = NEVER
         """Time of its next wake-up. Read after every packet: so it is an attribute."""
         self._requests: deque[ObjectRequest] = deque()
@@ -59,11 +61,13 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
 
     def _brakes(self, set_point: SetPoint) -> tuple[Packet, ...]:
         """Return the frame of the quick stop deceleration that goes with a speed, where it may be lowered."""
-        least = Epos2Axis.of(self._axis).profile.quick_stop_least_rpm_s
+        least = DriveAxis.of(self._axis).profile.quick_stop_least_rpm_s
         # During a stop the last one stays: both axes of a ratio shall come to rest together.
         if least is None or not isinstance(set_point, Speed):
             return ()
-        most = Epos2Axis.of(self._axis).profile.quick_stop_rpm_s
+        least, most = (
+            in_units(self._axis, rpm) for rpm in (least, DriveAxis.of(self._axis).profile.quick_stop_rpm_s)
+        )
         wanted = set_point.braking * most
         # Written so that a NaN brakes as hard as it may.
         value = round(wanted) if least <= wanted <= most else least if wanted < least else most

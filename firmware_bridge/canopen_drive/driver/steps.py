@@ -1,4 +1,4 @@
-"""Steps that the tasks of an EPOS2 are made of: one transfer or one frame each, and what its answer must be.
+"""Steps that the tasks of a drive are made of: one transfer or one frame each, and what its answer must be.
 
 They refuse to know which task they belong to. What judges an answer is a frozen object and no closure: a
 world that can be rewound looks into each closure at each moment.
@@ -6,25 +6,31 @@ world that can be rewound looks into each closure at each moment.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Final
 
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.canopen.data_type import DataType
-from firmware_bridge.canopen.sdo_client import ATTEMPTS, Outcome, SdoError, Transfer
+from firmware_bridge.canopen.sdo_client import ATTEMPTS, Outcome, SdoError, SdoRefusedError, Transfer
+from firmware_bridge.canopen_drive.driver.setup_object import SetupObject
+from firmware_bridge.canopen_drive.settings import DriveAxis
 from firmware_bridge.drivers.driver import StartupError
 from firmware_bridge.drivers.script_runner import Ask, Do, Script, Until
-from firmware_bridge.families.epos2.driver.setup import SetupObject
-from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
-from firmware_bridge.units import Nanoseconds
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+POLL: Final[Nanoseconds] = 20 * MILLISECOND
+ABSENT: Final = (AbortCode.NO_OBJECT, AbortCode.NO_SUBINDEX)
+"""Aborts of a drive that has not got an object."""
 
 
 def nmt(axis: Axis, command: NmtCommand) -> Packet:
     """Return the network command to this node."""
-    return Packet(axis.link, cia301.NMT, cia301.encode_nmt(command, Epos2Axis.of(axis).node))
+    return Packet(axis.link, cia301.NMT, cia301.encode_nmt(command, DriveAxis.of(axis).node))
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +45,7 @@ class _Expected:
         if isinstance(outcome, SdoError):
             raise StartupError(self.axis, f"{outcome} (expected {row.expected})") from outcome
         if not row.has(outcome):
-            problem = f"SDO upload {row.address} gave {row.show(outcome)} (expected {row.expected})"
+            problem = f"SDO upload {row.address} gave {row.show(outcome)} (expected {row.expected}){row.hint}"
             raise StartupError(self.axis, problem)
         return ()
 
@@ -97,6 +103,36 @@ def controlled(axis: Axis, controlword: int, attempts: int = ATTEMPTS) -> Ask:
     # In pre-operational no RPDO is taken (CiA 301), so an object is the only way.
     transfer = Transfer(od.CONTROLWORD, DataType.UNSIGNED16.encode(controlword), attempts)
     return written(axis, transfer, f"writing 0x{controlword:04X}")
+
+
+def set_up(axis: Axis, row: SetupObject) -> Script:
+    """Give an object of the set-up its value, or wait for it, and read back what safety hangs on."""
+    if row.awaited:
+        return (_awaited(axis, row, row.awaited // POLL),)
+    write = Transfer(row.address, row.raw)
+    doing = f"writing {row.expected}{row.hint}"
+    if not row.optional:
+        # A write that was acknowledged may still be clipped or ignored.
+        return (written(axis, write, doing), *((expected(axis, row),) if row.read_back else ()))
+
+    def judge(outcome: Outcome) -> Script:
+        if isinstance(outcome, SdoRefusedError) and outcome.code in ABSENT:
+            return ()
+        _Taken(axis, doing)(outcome)
+        return (expected(axis, row),) if row.read_back else ()
+
+    return (Ask(write, judge),)
+
+
+def _awaited(axis: Axis, row: SetupObject, polls: int) -> Ask:
+    """Read an object until it has the row's value; so many polls are left."""
+
+    def judge(outcome: Outcome) -> Script:
+        if polls > 1 and not isinstance(outcome, SdoError) and not row.has(outcome):
+            return (pause(POLL), _awaited(axis, row, polls - 1))
+        return _Expected(axis, row)(outcome)
+
+    return Ask(Transfer(row.address), judge)
 
 
 def pause(duration: Nanoseconds) -> Until:

@@ -1,9 +1,9 @@
-"""One EPOS2's frames to what it has sent. Frames that make no sense are ignored: a bus is a public place."""
+"""One drive's frames to what it has sent. Frames that make no sense are ignored: a bus is a public place."""
 
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen.cia301 import NODE_MASK, NmtState
-from firmware_bridge.families.epos2.driver.feedback import DriveFeedback
-from firmware_bridge.families.epos2.driver.process_data import (
+from firmware_bridge.canopen_drive.driver.feedback import DriveFeedback
+from firmware_bridge.canopen_drive.driver.process_data import (
     POSITION,
     POSITION_COB_ID,
     SAMPLE,
@@ -11,6 +11,7 @@ from firmware_bridge.families.epos2.driver.process_data import (
     STATUS,
     STATUS_COB_ID,
 )
+from firmware_bridge.canopen_drive.driver.product import DriveProduct
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
@@ -19,8 +20,8 @@ from firmware_bridge.units import Nanoseconds
 class CanFeedback(DriveFeedback):
     """Filled in from the frames of one drive."""
 
-    def __init__(self, axis: Axis) -> None:
-        super().__init__(axis)
+    def __init__(self, axis: Axis, product: DriveProduct) -> None:
+        super().__init__(axis, product)
         self._synchronized_at: Nanoseconds = NEVER_RECEIVED
         self._readers = {
             STATUS_COB_ID: self._status,
@@ -52,17 +53,17 @@ class CanFeedback(DriveFeedback):
         self._state(statusword)
         # The first sample has no difference, and one across a new zero would be a jump.
         if self.sampled_at == NEVER_RECEIVED or self.zeroing:
-            self.position_qc, self.velocity = counter, 0.0
+            self.position_counts, self.velocity = counter, 0.0
         else:
             moved = self.moved_to(counter)
             elapsed = self._synchronized_at - self.sampled_at
             if elapsed > 0:
                 self.move(moved, elapsed)
             # Added up, as the drive's counter of 32 bits wraps.
-            self.position_qc += moved
+            self.position_counts += moved
         if self.between is not None:
             self.passes(counter, now)
-        self.current_ma = current
+        self.current = current
         self.sampled_at = self._synchronized_at
         self.received_at = self.current_at = now
 

@@ -1,6 +1,6 @@
-"""EPOS2 commands that both of its protocols carry: Controlwords, set-points, network commands, states.
+"""Commands of a drive, whatever carries them: Controlwords, set-points, network commands, states.
 
-Sources: EPOS Firmware Specification and maxon's command library for Controlwords; CiA 301 for the network.
+Sources: CiA 402 for Controlwords and states, CiA 301 for the network.
 """
 
 from typing import Final, NamedTuple
@@ -11,7 +11,6 @@ from firmware_bridge.canopen.objects import TARGET_POSITION, TARGET_VELOCITY
 from firmware_bridge.robot import CommandForm
 
 TARGET: Final = {CommandForm.SPEED: TARGET_VELOCITY, CommandForm.POSITION: TARGET_POSITION}
-TARGET_UNIT: Final = {CommandForm.SPEED: "rpm", CommandForm.POSITION: "qc"}
 
 NEW_SET_POINT: Final = 0x003F
 """Go to the target now."""
@@ -24,7 +23,7 @@ QUICK_STOP: Final = 0x000B
 UNPOWERED: Final = (DISABLE_VOLTAGE, 0x0002, 0x0006, 0x0007, QUICK_STOP)
 """Disable voltage, quick stop (twice), shutdown, switch on: none enables power or commands motion."""
 START_HOMING: Final = 0x001F
-"""The Controlword that starts homing; by method 35 it turns no shaft, and `zeroing` permits no other use."""
+"""The Controlword that starts homing; in place it turns no shaft, and `zeroing` permits no other use."""
 POWERED: Final = (ENABLE, HALT, NEW_SET_POINT, START_HOMING)
 """Controlwords after which the drive has power and may have torque."""
 STOP_WORDS: Final = (DISABLE_VOLTAGE, 0x0002, QUICK_STOP)
@@ -56,4 +55,4 @@ class GuardedSetPoint(NamedTuple):
 
     word: int
     target: int
-    """rpm or quadcounts."""
+    """Units of speed or counts."""

@@ -1,22 +1,22 @@
-"""The state and parts of one EPOS2, common to both its links."""
+"""The state and parts of one drive, whatever its link is."""
 
 from collections.abc import Callable
 from typing import Final, Generic, TypeVar
 
+from firmware_bridge.canopen_drive.driver.feedback import DriveFeedback
+from firmware_bridge.canopen_drive.driver.set_point import set_point
+from firmware_bridge.canopen_drive.driver.setup_object import SetupObject
+from firmware_bridge.canopen_drive.driver.task_runner import TaskRunner
 from firmware_bridge.drivers.driver import Between, Feedback, Reports, StartupError
 from firmware_bridge.drivers.life_cycle import DriverState, LifeCycle
 from firmware_bridge.drivers.script_runner import ObjectClient, Script, ScriptRunner
-from firmware_bridge.families.epos2.driver.feedback import REPORTS, DriveFeedback
-from firmware_bridge.families.epos2.driver.set_point import set_point
-from firmware_bridge.families.epos2.driver.setup import SetupObject
-from firmware_bridge.families.epos2.driver.task_runner import TaskRunner
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
 
 F = TypeVar("F", bound=DriveFeedback)
 
 
-class Epos2Drive(Generic[F]):
+class Drive(Generic[F]):
     """The reports of a `firmware_bridge.drivers.driver.Driver`; its commands are its link's own."""
 
     __slots__ = ("_axis", "_feedback", "_life", "_scripts", "_set_point", "_tasks")
@@ -46,7 +46,7 @@ class Epos2Drive(Generic[F]):
     @property
     def reports(self) -> frozenset[Reports]:
         """Reports of its device."""
-        return REPORTS
+        return self._feedback.product.reports
 
     @property
     def feedback(self) -> Feedback:

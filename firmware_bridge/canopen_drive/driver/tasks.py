@@ -1,4 +1,4 @@
-"""The tasks of one EPOS2 as scripts: tuples of steps, in the order of the procedure in the manual.
+"""The tasks of one drive as scripts: tuples of steps, in the order of the procedure in the manual.
 
 `firmware_bridge.drivers.script_runner` carries them over bus and time, which are not known here. A script
 keeps nothing but its steps, so that its place in the procedure is data.
@@ -13,29 +13,29 @@ from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.canopen.cia402 import PowerState, towards, word_of
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.sdo_client import ATTEMPTS, TIMEOUT, Outcome, SdoError, Transfer
-from firmware_bridge.drivers.driver import StartupError
-from firmware_bridge.drivers.script_runner import Ask, Do, Script, Step, Until
-from firmware_bridge.families.epos2.driver import setup
-from firmware_bridge.families.epos2.driver.feedback import POWERED, DriveFeedback, in_words
-from firmware_bridge.families.epos2.driver.set_point import (
+from firmware_bridge.canopen_drive.driver import setup
+from firmware_bridge.canopen_drive.driver.feedback import POWERED, DriveFeedback
+from firmware_bridge.canopen_drive.driver.set_point import (
     DISABLE_VOLTAGE,
     FAULT_RESET,
     QUICK_STOP,
     SHUTDOWN,
-    Epos2SetPoint,
+    DriveSetPoint,
 )
-from firmware_bridge.families.epos2.driver.setup import SetupObject
-from firmware_bridge.families.epos2.driver.steps import (
+from firmware_bridge.canopen_drive.driver.setup_object import SetupObject
+from firmware_bridge.canopen_drive.driver.steps import (
+    POLL,
     controlled,
     expected,
     failing,
     nmt,
     pause,
     read,
-    written,
+    set_up,
 )
-from firmware_bridge.families.epos2.wire import address as at
-from firmware_bridge.families.epos2.wire.power_states import state_of
+from firmware_bridge.canopen_drive.settings import DriveAxis
+from firmware_bridge.drivers.driver import StartupError
+from firmware_bridge.drivers.script_runner import Ask, Do, Script, Until
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
@@ -44,14 +44,10 @@ STATE_WITHIN: Final[Nanoseconds] = SECOND
 """For one transition; measuring the current offset and the rotor's start takes some 100 ms (assumed)."""
 SAMPLE_WITHIN: Final[Nanoseconds] = 500 * MILLISECOND
 LEAVE_WITHIN: Final[Nanoseconds] = 200 * MILLISECOND
-POLL: Final[Nanoseconds] = 20 * MILLISECOND
 STANDSTILL_WITHIN: Final[Nanoseconds] = 3 * SECOND
-RESET_POLLS: Final = 5
-STANDSTILL_RPM: Final = 5
-"""At the motor; the averaged velocity of a resting shaft shows one or two."""
 FAULT_RESETS: Final = 2
 NEWEST_ERROR: Final = Address(od.ERROR_HISTORY_COUNT.index, 1)
-"""The code is its low word (EPOS Firmware Specification)."""
+"""The code is its low word (CiA 301)."""
 
 
 def find(axis: Axis, feedback: DriveFeedback) -> Script:
@@ -60,7 +56,7 @@ def find(axis: Axis, feedback: DriveFeedback) -> Script:
     # Only the first time: it is the state to which the drive is left at the end.
     if feedback.found_operational is None:
         feedback.found_operational = feedback.operational
-    row = setup.identity(axis)[0]
+    row = feedback.product.identity[0]
     return (
         nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL),
         expected(axis, row, attempts=FIND_WITHIN // TIMEOUT),
@@ -70,21 +66,16 @@ def find(axis: Axis, feedback: DriveFeedback) -> Script:
     )
 
 
-def identify(axis: Axis) -> Script:
+def identify(axis: Axis, rows: tuple[SetupObject, ...]) -> Script:
     """Check that it is the drive that the robot file names."""
-    return tuple(expected(axis, row) for row in setup.identity(axis))
+    return tuple(expected(axis, row) for row in rows)
 
 
 def configure(axis: Axis, feedback: DriveFeedback, rows: tuple[SetupObject, ...]) -> Script:
     """Bring the drive to standstill without power, write the set-up, read back what safety hangs on."""
     # First without power: motor data and sensor types cannot be changed otherwise (abort 0x08000022).
-    steps: list[Step] = [*_come_to_rest(axis, feedback)]
-    for row in rows:
-        steps.append(written(axis, Transfer(row.address, row.raw), f"writing {row.expected}"))
-        # A write that was acknowledged may still be clipped or ignored.
-        if row.read_back:
-            steps.append(expected(axis, row))
-    return tuple(steps)
+    steps = _come_to_rest(axis, feedback)
+    return (*steps, *(step for row in rows for step in set_up(axis, row)))
 
 
 def start(axis: Axis, feedback: DriveFeedback) -> Script:
@@ -104,14 +95,14 @@ def start(axis: Axis, feedback: DriveFeedback) -> Script:
     )
 
 
-def enable(axis: Axis, feedback: DriveFeedback, set_point: Epos2SetPoint) -> Script:
+def enable(axis: Axis, feedback: DriveFeedback, set_point: DriveSetPoint) -> Script:
     """Walk to operation enabled, over a fault reset where there is a fault."""
     # From the request on the power may come at any time; only a new Statusword proves the contrary.
     feedback.unpowered = False
     return (Do(lambda: _towards_enabled(axis, feedback, set_point, 0)),)
 
 
-def leave(axis: Axis, feedback: DriveFeedback, set_point: Epos2SetPoint) -> Script:
+def leave(axis: Axis, feedback: DriveFeedback, set_point: DriveSetPoint) -> Script:
     """Take the power off in order, end the watch over the bridge, stop process data unless it flowed before.
 
     The task fails, and leaves the watch on, where the drive's own statusword does not confirm that it has no
@@ -136,10 +127,10 @@ def listen(axis: Axis) -> Script:
     return (nmt(axis, NmtCommand.START),)
 
 
-def brake(axis: Axis) -> Script:
+def brake(axis: Axis, feedback: DriveFeedback) -> Script:
     """Stop a drive object by object, as one that receives no set-points; with answers, until standstill."""
     # One attempt: a drive that does not answer gets the next stage, which uses another channel.
-    return (controlled(axis, QUICK_STOP, attempts=1), _standing(axis))
+    return (controlled(axis, QUICK_STOP, attempts=1), _standing(axis, feedback))
 
 
 def disable(axis: Axis, feedback: DriveFeedback) -> Script:
@@ -154,7 +145,11 @@ def reset(axis: Axis, feedback: DriveFeedback) -> Script:
     A boot-up message alone proves nothing: after reset communication a motor may go on turning (assumed).
     """
     # The pause lets the boot-up pass: a drive that boots answers no SDO.
-    return (nmt(axis, NmtCommand.RESET_NODE), pause(LEAVE_WITHIN), _restarted(axis, feedback, RESET_POLLS))
+    return (
+        nmt(axis, NmtCommand.RESET_NODE),
+        pause(LEAVE_WITHIN),
+        _restarted(axis, feedback, feedback.product.boot_polls),
+    )
 
 
 def _found(feedback: DriveFeedback) -> Script:
@@ -189,39 +184,46 @@ def _come_to_rest(axis: Axis, feedback: DriveFeedback, *, at_last: bool = False)
 
     `at_last`: it is queried once, and a drive that does not come to standstill loses its power, too.
     """
-    standing = _standing(axis, STATE_WITHIN // POLL, ()) if at_last else _standing(axis)
+    standing = _standing(axis, feedback, STATE_WITHIN // POLL, ()) if at_last else _standing(axis, feedback)
     power_off = (controlled(axis, DISABLE_VOLTAGE), _without_power(axis, feedback, STATE_WITHIN // POLL))
 
     def judge(statusword: int) -> Script:
         # Without power it only needs to be put into a known state; with power it brakes first.
-        if state_of(statusword) not in POWERED:
+        if feedback.product.states.state_of(statusword) not in POWERED:
             return power_off
         return (controlled(axis, QUICK_STOP), standing, *power_off)
 
     return (_statusword(axis, feedback, judge, attempts=1 if at_last else ATTEMPTS),)
 
 
-def _standing(axis: Axis, polls: int = STANDSTILL_WITHIN // POLL, otherwise: Script | None = None) -> Ask:
+def _standing(
+    axis: Axis,
+    feedback: DriveFeedback,
+    polls: int = STANDSTILL_WITHIN // POLL,
+    otherwise: Script | None = None,
+) -> Ask:
     """Wait until the motor stands; so many polls are left, and without `otherwise` the task fails then."""
+    product, per_rpm = feedback.product, DriveAxis.of(axis).speed_per_rpm
 
-    def judge(rpm: int) -> Script:
-        if abs(rpm) <= STANDSTILL_RPM:
+    def judge(speed: int) -> Script:
+        if abs(speed) <= product.standstill:
             return ()
         if polls > 1:
-            return (pause(POLL), _standing(axis, polls - 1, otherwise))
+            return (pause(POLL), _standing(axis, feedback, polls - 1, otherwise))
         if otherwise is not None:
             return otherwise
-        problem = f"the motor still turns with {rpm} rpm {STANDSTILL_WITHIN // SECOND} s after a quick stop"
+        rpm = f"{speed / per_rpm:g} rpm"
+        problem = f"the motor still turns with {rpm} {STANDSTILL_WITHIN // SECOND} s after a quick stop"
         return (pause(POLL), failing(axis, problem))
 
-    return read(axis, at.VELOCITY_AVERAGED, DataType.INTEGER32, judge)
+    return read(axis, product.velocity, DataType.INTEGER32, judge)
 
 
 def _without_power(axis: Axis, feedback: DriveFeedback, polls: int) -> Ask:
     """Wait until the power is off; so many polls are left."""
 
     def judge(statusword: int) -> Script:
-        if state_of(statusword) in (PowerState.SWITCH_ON_DISABLED, PowerState.FAULT):
+        if feedback.product.states.state_of(statusword) in (PowerState.SWITCH_ON_DISABLED, PowerState.FAULT):
             return ()
         if polls > 1:
             return (pause(POLL), _without_power(axis, feedback, polls - 1))
@@ -257,7 +259,7 @@ def _farewell(axis: Axis, feedback: DriveFeedback, rows: tuple[SetupObject, ...]
     return (Ask(Transfer(rows[0].address, rows[0].raw, attempts=1), judge),)
 
 
-def _towards_enabled(axis: Axis, feedback: DriveFeedback, set_point: Epos2SetPoint, resets: int) -> Script:
+def _towards_enabled(axis: Axis, feedback: DriveFeedback, set_point: DriveSetPoint, resets: int) -> Script:
     """Take the next step from the present state; `resets` faults were reset so far."""
     if feedback.state is PowerState.OPERATION_ENABLED:
         feedback.fault = 0
@@ -267,7 +269,9 @@ def _towards_enabled(axis: Axis, feedback: DriveFeedback, set_point: Epos2SetPoi
         command = towards(feedback.state, PowerState.OPERATION_ENABLED)
         word = None if command is None else word_of(command)
         go_on = Do(lambda: _towards_enabled(axis, feedback, set_point, resets))
-        return (*_turn(axis, feedback, set_point, word), go_on)
+        gap = feedback.product.controlword_gap
+        waited = (pause(gap),) if gap else ()
+        return (*_turn(axis, feedback, set_point, word), *waited, go_on)
     if resets == FAULT_RESETS:
         raise StartupError(axis, f"the fault came back after {resets} resets{_fault(feedback)}")
     return (
@@ -296,7 +300,7 @@ def _ask_for_fault(feedback: DriveFeedback) -> Script:
     return () if feedback.fault else (Ask(Transfer(NEWEST_ERROR), learn),)
 
 
-def _turn(axis: Axis, feedback: DriveFeedback, set_point: Epos2SetPoint, controlword: int | None) -> Script:
+def _turn(axis: Axis, feedback: DriveFeedback, set_point: DriveSetPoint, controlword: int | None) -> Script:
     """Send a controlword, or none, and wait until the drive leaves its present state."""
     state = feedback.state
     return (
@@ -320,4 +324,4 @@ def _stuck(feedback: DriveFeedback, state: PowerState | None, controlword: int |
 
 
 def _fault(feedback: DriveFeedback) -> str:
-    return f"; fault {in_words(feedback.fault)}" if feedback.fault else ""
+    return f"; fault {feedback.in_words(feedback.fault)}" if feedback.fault else ""

@@ -1,4 +1,4 @@
-"""Set-points of one EPOS2 as frames: Controlword and target, the handshake of positions included.
+"""Set-points of one drive as frames: Controlword and target, the handshake of positions included.
 
 The safety of a set-point and the time of its frames are not known here. Controlwords: EPOS Firmware
 Specification, profile velocity and profile position mode; halt as maxon's command library writes it, quick
@@ -10,17 +10,17 @@ from typing import Final, Protocol
 
 from firmware_bridge.canopen import cia402
 from firmware_bridge.canopen.cia402 import ControlwordBit, PowerState, word_of
-from firmware_bridge.drivers.driver import Position, SetPoint, Speed, Stop
-from firmware_bridge.families.epos2.driver.feedback import DriveFeedback
-from firmware_bridge.families.epos2.driver.process_data import SET_POINT, SET_POINT_COB_ID
-from firmware_bridge.families.epos2.driver.scale import (
+from firmware_bridge.canopen_drive.driver.feedback import DriveFeedback
+from firmware_bridge.canopen_drive.driver.process_data import SET_POINT, SET_POINT_COB_ID
+from firmware_bridge.canopen_drive.driver.scale import (
     WHOLE_COUNTER,
     Scale,
-    highest_rpm,
+    highest_speed,
     travel_of,
     wrapped,
 )
-from firmware_bridge.families.epos2.settings import Epos2Axis
+from firmware_bridge.canopen_drive.settings import DriveAxis
+from firmware_bridge.drivers.driver import Position, SetPoint, Speed, Stop
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, CommandForm
 
@@ -36,11 +36,11 @@ FAULT_RESET: Final = int(ControlwordBit.FAULT_RESET)
 _SPEED: Final = SET_POINT[CommandForm.SPEED]
 _POSITION: Final = SET_POINT[CommandForm.POSITION]
 
-SMALLEST_MOVE_QC: Final = 2
+SMALLEST_MOVE: Final = 2
 """A target that changed by less is not sent again: it is the rounding of the kinematics."""
 
 
-class Epos2SetPoint(Protocol):
+class DriveSetPoint(Protocol):
     """The set-point frame of one drive."""
 
     def word(self, controlword: int) -> Packet:
@@ -53,7 +53,7 @@ class Epos2SetPoint(Protocol):
         """Return the frame that ends a handshake; None where none is open."""
 
 
-def set_point(axis: Axis, feedback: DriveFeedback) -> Epos2SetPoint:
+def set_point(axis: Axis, feedback: DriveFeedback) -> DriveSetPoint:
     """Return the kind of set-point that the axis's command needs."""
     if axis.command is CommandForm.SPEED:
         return VelocitySetPoint(axis, feedback)
@@ -61,14 +61,14 @@ def set_point(axis: Axis, feedback: DriveFeedback) -> Epos2SetPoint:
 
 
 class VelocitySetPoint:
-    """Controlword and target velocity in rpm."""
+    """Controlword and target velocity."""
 
     def __init__(self, axis: Axis, feedback: DriveFeedback) -> None:
         self._link = axis.link
-        self._cob_id = SET_POINT_COB_ID[CommandForm.SPEED] + Epos2Axis.of(axis).node
+        self._cob_id = SET_POINT_COB_ID[CommandForm.SPEED] + DriveAxis.of(axis).node
         self._feedback = feedback
         self._scale = Scale.of(axis)
-        self._highest_rpm = highest_rpm(axis)
+        self._highest = highest_speed(axis)
 
     def word(self, controlword: int) -> Packet:
         """Return a frame with this controlword and speed 0."""
@@ -82,39 +82,39 @@ class VelocitySetPoint:
         if set_point is Stop.QUICK_STOP or self._feedback.state is not PowerState.OPERATION_ENABLED:
             return self._frame(QUICK_STOP, 0)
         if isinstance(set_point, Speed) and math.isfinite(set_point.value):
-            rpm = self._scale.rpm(set_point.value)
-            return self._frame(ENABLE, round(min(max(rpm, -self._highest_rpm), self._highest_rpm)))
+            speed = self._scale.speed(set_point.value)
+            return self._frame(ENABLE, round(min(max(speed, -self._highest), self._highest)))
         return self._frame(ENABLE, 0)
 
     def release(self) -> None:
         """Do nothing: a velocity has no handshake."""
 
-    def _frame(self, controlword: int, rpm: int) -> Packet:
-        return Packet(self._link, self._cob_id, _SPEED.pack(controlword, rpm))
+    def _frame(self, controlword: int, speed: int) -> Packet:
+        return Packet(self._link, self._cob_id, _SPEED.pack(controlword, speed))
 
 
 class PositionSetPoint:
-    """Controlword and target position in quadcounts.
+    """Controlword and target position.
 
     A drive takes a target at the rising edge of the new set-point bit, so the bit is released between two.
     """
 
     def __init__(self, axis: Axis, feedback: DriveFeedback) -> None:
         self._link = axis.link
-        self._cob_id = SET_POINT_COB_ID[CommandForm.POSITION] + Epos2Axis.of(axis).node
+        self._cob_id = SET_POINT_COB_ID[CommandForm.POSITION] + DriveAxis.of(axis).node
         self._feedback = feedback
         self._scale = Scale.of(axis)
         self._travel = travel_of(axis) or WHOLE_COUNTER
-        self._target_qc = 0
+        self._target = 0
         self._bit_is_set = False
         self._under_way = False
-        """True while the drive moves to, or holds, `_target_qc`."""
+        """True while the drive moves to, or holds, `_target`."""
 
     def word(self, controlword: int) -> Packet:
         """Return a frame with this controlword and the actual position."""
         # The actual position as target: should the drive take it, it stays where it is.
         self._under_way = False
-        self._target_qc = self._travel.clip(wrapped(self._feedback.position_qc))
+        self._target = self._travel.clip(wrapped(self._feedback.position_counts))
         return self._frame(controlword)
 
     def frame_for(self, set_point: SetPoint) -> Packet:
@@ -135,14 +135,14 @@ class PositionSetPoint:
         # In a drive that stopped by itself since, 0x000F would put the power on again.
         return self.frame_for(Stop.QUICK_STOP) if self._stopped() else self._frame(ENABLE)
 
-    def _go(self, target_qc: int) -> Packet:
+    def _go(self, target: int) -> Packet:
         if self._bit_is_set:
             # Not released yet: an edge is not possible now, the next cycle will bring it.
             return self._frame(NEW_POSITION)
         # Too small to be sent again; ENABLE keeps the drive on its way to the target that it has.
-        if self._under_way and abs(target_qc - self._target_qc) < SMALLEST_MOVE_QC:
+        if self._under_way and abs(target - self._target) < SMALLEST_MOVE:
             return self._frame(ENABLE)
-        self._target_qc = target_qc
+        self._target = target
         self._under_way = True
         return self._frame(NEW_POSITION)
 
@@ -152,4 +152,4 @@ class PositionSetPoint:
     def _frame(self, controlword: int) -> Packet:
         # The drive acts on the rising edge of bit 4, so its last level must be known.
         self._bit_is_set = controlword == NEW_POSITION
-        return Packet(self._link, self._cob_id, _POSITION.pack(controlword, self._target_qc))
+        return Packet(self._link, self._cob_id, _POSITION.pack(controlword, self._target))

@@ -1,11 +1,11 @@
 """Referencing and homing of one drive's axis: the permitted commands and their order.
 
-Homing by method 35 turns no shaft; by any other the Controlword that starts it does. So that one passes only
-where the drive itself has reported, since it was last written to, that its mode is homing, and either that
-the method is 35 and the home position within the axis' travel, or that all is by the robot file: the method,
-the home position and the offset, and speeds, acceleration and current not above the file's. In that mode no
-new position passes, and the mode is left only when the Controlword that starts is out of force: in another
-one it would be a new position.
+Homing in place turns no shaft; by any other method the Controlword that starts it does. So that one passes
+only where the drive itself has reported, since it was last written to, that its mode is homing, and either
+that the method is the one in place and the position within the axis's travel, or that all is by the robot
+file: method and places, and speeds, acceleration and current not above the file's. In that mode no new
+position passes, and the mode is left only when the Controlword that starts is out of force: in another one it
+would be a new position.
 """
 
 import math
@@ -14,58 +14,48 @@ from typing import Final
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia402 import Mode
 from firmware_bridge.canopen.data_type import DataType
-from firmware_bridge.families.epos2.guard.bounds import ends_qc, qc_per_unit, rpm_per_unit
-from firmware_bridge.families.epos2.guard.words import ENABLE, HALT, NEW_SET_POINT, START_HOMING
-from firmware_bridge.families.epos2.wire import address as at
-from firmware_bridge.families.epos2.wire.modes import Mode
+from firmware_bridge.canopen_drive.guard.bounds import Units, ends, speed_per_unit
+from firmware_bridge.canopen_drive.guard.product import GuardedProduct
+from firmware_bridge.canopen_drive.guard.words import ENABLE, HALT, NEW_SET_POINT, START_HOMING
 from firmware_bridge.robot import Axis, CommandForm
 from firmware_bridge.safety.guard.wire_rules import ROUNDING
 
-ACTUAL_POSITION: Final = 35
-MILLIAMPERES: Final = 1000.0
 OWN_MODE: Final = {CommandForm.SPEED: Mode.PROFILE_VELOCITY, CommandForm.POSITION: Mode.PROFILE_POSITION}
 WRITTEN: Final = {
     od.MODE: DataType.INTEGER8,
-    at.HOME_POSITION: DataType.INTEGER32,
     od.HOMING_METHOD: DataType.INTEGER8,
     od.HOME_OFFSET: DataType.INTEGER32,
     od.HOMING_SPEED_SWITCH: DataType.UNSIGNED32,
     od.HOMING_SPEED_ZERO: DataType.UNSIGNED32,
     od.HOMING_ACCELERATION: DataType.UNSIGNED32,
-    at.HOMING_CURRENT: DataType.UNSIGNED16,
 }
-READ: Final = {**WRITTEN, od.MODE_DISPLAY: DataType.INTEGER8}
-"""The objects whose values the drive reports and that count here."""
+"""The objects of every drive whose values decide what a homing does."""
 _SAME: Final = {od.MODE: od.MODE_DISPLAY}
 """The object that confirms the write of another one."""
 
 
-def by_file(axis: Axis) -> Mapping[Address, range]:
-    """Return what the homing of an axis may hang on, by the robot file; nothing where it is not homed.
-
-    Speeds in rpm, the acceleration in rpm/s, places in quadcounts, the current in mA; its own arithmetic.
-    """
+def searched(axis: Axis, units: Units) -> Mapping[Address, range]:
+    """Return how an axis may move for homing by the robot file; nothing where it is not homed."""
     homing = axis.zero.homing
     if homing is None or axis.travel is None:
         return {}
-    rpm, per_unit = abs(rpm_per_unit(axis)), qc_per_unit(axis)
+    per_unit = abs(speed_per_unit(axis, units))
     return {
-        od.HOMING_METHOD: _only(homing.method),
-        at.HOME_POSITION: _only(round(homing.at * per_unit)),
-        od.HOME_OFFSET: _only(round(homing.offset * per_unit)),
-        od.HOMING_SPEED_SWITCH: _up_to(homing.speed * rpm),
-        od.HOMING_SPEED_ZERO: _up_to(homing.zero_speed * rpm),
-        od.HOMING_ACCELERATION: _up_to(homing.acceleration * rpm),
-        **({at.HOMING_CURRENT: _up_to(homing.current_a * MILLIAMPERES)} if homing.current_a else {}),
+        od.HOMING_METHOD: only(homing.method),
+        od.HOMING_SPEED_SWITCH: up_to(homing.speed * per_unit),
+        od.HOMING_SPEED_ZERO: up_to(homing.zero_speed * per_unit),
+        od.HOMING_ACCELERATION: up_to(homing.acceleration * per_unit),
     }
 
 
-def _only(value: int) -> range:
+def only(value: int) -> range:
+    """Return one value."""
     return range(value, value + 1)
 
 
-def _up_to(value: float) -> range:
+def up_to(value: float) -> range:
     """Return the whole numbers from 1 on that are not above a value; 1 in any case."""
     return range(1, max(1, math.floor(value * (1.0 + ROUNDING))) + 1)
 
@@ -73,20 +63,21 @@ def _up_to(value: float) -> range:
 class Zeroing:
     """The homing objects of one drive, as written and as reported."""
 
-    __slots__ = ("_own", "_reported", "_ways", "homes", "in_homing", "within_s")
+    __slots__ = ("_in_place", "_own", "_reported", "_ways", "in_homing", "read_kinds", "within_s", "written")
 
-    def __init__(self, axis: Axis) -> None:
-        """Take the axis; one without travel has no zero to be set."""
-        low, high = ends_qc(axis)
-        self.homes: Final = None if axis.travel is None else range(low, high + 1)
-        """The home positions that it may be given, in quadcounts; None for none."""
-        # Method 35 turns no shaft, so neither speeds nor current need to be known.
-        in_place = (
-            {}
-            if self.homes is None
-            else {od.HOMING_METHOD: _only(ACTUAL_POSITION), at.HOME_POSITION: self.homes}
-        )
-        self._ways: Final = tuple(way for way in (in_place, by_file(axis)) if way)
+    def __init__(self, axis: Axis, product: GuardedProduct) -> None:
+        """Take the axis and its drive; one without travel has no zero to be set."""
+        self._in_place: Final = product.in_place
+        self.written: Final = {**WRITTEN, **product.kinds}
+        """The objects whose writes count here, with their types."""
+        self.read_kinds: Final = self.written | {od.MODE_DISPLAY: DataType.INTEGER8}
+        """The objects whose values the drive reports and that count here."""
+        # A method in place turns no shaft, so neither speeds nor current need to be known.
+        in_place: Mapping[Address, range] = {}
+        if axis.travel is not None:
+            low, high = sorted(product.place_sign * end for end in ends(axis, product.units))
+            in_place = {od.HOMING_METHOD: only(product.in_place), product.places: range(low, high + 1)}
+        self._ways: Final = tuple(way for way in (in_place, product.homing) if way)
         """The sets of values that the drive must have reported; one of them is enough."""
         homing = axis.zero.homing
         self.within_s: Final = 0.0 if homing is None else homing.within_s
@@ -110,7 +101,7 @@ class Zeroing:
     @property
     def turns(self) -> bool:
         """True where its homing would turn its shaft, as far as reported."""
-        return self._reported.get(od.HOMING_METHOD) != ACTUAL_POSITION
+        return self._reported.get(od.HOMING_METHOD) != self._in_place
 
     def refuses_write(self, address: Address, value: int, word: int | None, moving: str | None) -> str | None:
         """Return why one of `WRITTEN` may not be written now; `word` is in force, `moving` moves."""

@@ -1,4 +1,4 @@
-"""Process data between the bridge and one EPOS2; the same for every robot.
+"""Process data between the bridge and one drive; the same for every robot.
 
 A drive takes one set-point frame, sends its Statusword when it changes, and answers each SYNC with its
 Statusword, position and current, all sampled at that SYNC. A drive whose position leads others sends it
@@ -6,15 +6,16 @@ between the SYNCs, too; one whose own stop keeps a ratio takes its quick stop de
 off.
 """
 
+import struct
 from dataclasses import dataclass
 from typing import Final
 
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.pdo import EVERY_SYNC, ON_CHANGE, Layout
-from firmware_bridge.families.epos2.settings import Epos2Axis
-from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.canopen_drive.settings import DriveAxis
 from firmware_bridge.robot import Axis, CommandForm
 
 SET_POINT: Final = {
@@ -26,11 +27,8 @@ SET_POINT: Final = {
     ),
 }
 STATUS: Final = Layout((od.STATUSWORD, DataType.UNSIGNED16))
-SAMPLE: Final = Layout(
-    (od.STATUSWORD, DataType.UNSIGNED16),
-    (od.POSITION_ACTUAL, DataType.INTEGER32),
-    (at.CURRENT_AVERAGED, DataType.INTEGER16),
-)
+SAMPLE: Final = struct.Struct("<Hih")
+"""Statusword, position and current."""
 POSITION: Final = Layout((od.POSITION_ACTUAL, DataType.INTEGER32))
 BRAKING: Final = Layout((od.QUICK_STOP_DECELERATION, DataType.UNSIGNED32))
 
@@ -72,13 +70,22 @@ class Pdo:
         return flags | (self.cob_id + node)
 
 
-def pdos(axis: Axis) -> tuple[Pdo, ...]:
-    """Return the eight PDOs of an axis' drive."""
-    command, every_ms = axis.command, Epos2Axis.of(axis).position_every_ms
+def sampled(current: Address) -> Layout:
+    """Return the layout of `SAMPLE` for a drive whose current is this object."""
+    return Layout(
+        (od.STATUSWORD, DataType.UNSIGNED16),
+        (od.POSITION_ACTUAL, DataType.INTEGER32),
+        (current, DataType.INTEGER16),
+    )
+
+
+def pdos(axis: Axis, current: Address) -> tuple[Pdo, ...]:
+    """Return the eight PDOs of an axis's drive, whose current is this object."""
+    command, every_ms = axis.command, DriveAxis.of(axis).position_every_ms
     received = {SET_POINT_COB_ID[command]: SET_POINT[command]}
-    if Epos2Axis.of(axis).profile.quick_stop_least_rpm_s is not None:
+    if DriveAxis.of(axis).profile.quick_stop_least_rpm_s is not None:
         received[BRAKING_COB_ID] = BRAKING
-    sent = {STATUS_COB_ID: STATUS, SAMPLE_COB_ID: SAMPLE}
+    sent = {STATUS_COB_ID: STATUS, SAMPLE_COB_ID: sampled(current)}
     inhibited = {}
     if every_ms is not None:
         sent[POSITION_COB_ID] = POSITION

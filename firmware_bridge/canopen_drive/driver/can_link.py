@@ -5,14 +5,11 @@ from typing import Final
 
 from firmware_bridge.canopen import cia301, sdo
 from firmware_bridge.canopen.cia301 import NODE_MASK, NmtState
-from firmware_bridge.drivers.link_drivers import LinkDrivers
+from firmware_bridge.canopen_drive.driver.can_drive import DriveOnCan
+from firmware_bridge.canopen_drive.driver.process_data import SET_POINT_COB_ID
+from firmware_bridge.canopen_drive.settings import DriveAxis, DriveLink
 from firmware_bridge.drivers.plain_link import PlainLink
-from firmware_bridge.families.epos2.driver.can.drive import Epos2OnCan
-from firmware_bridge.families.epos2.driver.inputs_outputs import inputs_of, outputs_at, outputs_of
-from firmware_bridge.families.epos2.driver.process_data import SET_POINT_COB_ID
-from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire import can
 
@@ -23,18 +20,10 @@ REMEMBERED: Final[Nanoseconds] = SECOND
 """Time for which a second controller's frame counts: it may be back any moment."""
 
 
-def can_link_drivers(robot: AnyRobot, name: str) -> LinkDrivers:
-    """Return the devices on the robot's CAN link of this name."""
-    table = Epos2Link.of_link(robot, name)
-    drives = tuple(Epos2OnCan(axis, table, outputs_at(robot, axis)) for axis in robot.axes_on(name))
-    link = CanLink(name, drives, table)
-    return LinkDrivers(link, table, drives, inputs_of(robot, name, drives), outputs_of(robot, drives))
-
-
 class CanLink(PlainLink):
     """A `firmware_bridge.drivers.link_drivers.DeviceLink`."""
 
-    def __init__(self, name: str, drives: Iterable[Epos2OnCan], table: Epos2Link) -> None:
+    def __init__(self, name: str, drives: Iterable[DriveOnCan], table: DriveLink) -> None:
         super().__init__(
             name,
             ANSWERS_WITHIN,
@@ -43,7 +32,7 @@ class CanLink(PlainLink):
             table.bridge_silent_ms * MILLISECOND,
         )
         self._drives = tuple(drives)
-        self._by_node = {Epos2Axis.of(drive.axis).node: drive for drive in self._drives}
+        self._by_node = {DriveAxis.of(drive.axis).node: drive for drive in self._drives}
         beat = cia301.encode_heartbeat(NmtState.OPERATIONAL)
         self._beat = Packet(name, cia301.ERROR_CONTROL + table.bridge_node, beat)
         self._sync = Packet(name, cia301.SYNC, b"")
@@ -86,7 +75,7 @@ class CanLink(PlainLink):
         return drive.receive(packet, now)
 
 
-def _masters(drives: Iterable[Epos2OnCan], table: Epos2Link) -> dict[int, str]:
+def _masters(drives: Iterable[DriveOnCan], table: DriveLink) -> dict[int, str]:
     """Return the frames that only the master of these drives sends, as text, by identifier.
 
     Requests for objects are not in it: an engineer may read a drive while the robot drives. His writes are
@@ -99,7 +88,7 @@ def _masters(drives: Iterable[Epos2OnCan], table: Epos2Link) -> dict[int, str]:
         cia301.SYNC: "SYNC",
         beat: f"the heartbeat of this bridge, node {table.bridge_node}",
         **{
-            SET_POINT_COB_ID[axis.command] + Epos2Axis.of(axis).node: f"{axis.called} set-points"
+            SET_POINT_COB_ID[axis.command] + DriveAxis.of(axis).node: f"{axis.called} set-points"
             for axis in axes
         },
     }

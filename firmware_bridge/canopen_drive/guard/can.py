@@ -1,4 +1,4 @@
-"""The output guard of EPOS2 drives on CAN: permitted identifiers, their content and its effect.
+"""The output guard of drives on CAN: permitted identifiers, their content and its effect.
 
 An identifier that is not in the list is refused; so is one with a flag (extended, remote).
 
@@ -10,7 +10,7 @@ Source: CiA 301 for identifiers and services.
 """
 
 import struct
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final, Protocol
 
@@ -18,23 +18,24 @@ from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
 from firmware_bridge.canopen.objects import CONSUMER_HEARTBEAT_1, CONTROLWORD, STATUSWORD
-from firmware_bridge.families.epos2.guard.axis import GuardedAxis
-from firmware_bridge.families.epos2.guard.words import (
+from firmware_bridge.canopen_drive.guard.axis import GuardedAxis
+from firmware_bridge.canopen_drive.guard.product import GuardedProduct
+from firmware_bridge.canopen_drive.guard.values import Writes
+from firmware_bridge.canopen_drive.guard.words import (
     CONTROLWORDS,
     LISTED_NMT,
-    TARGET_UNIT,
     GuardedSetPoint,
 )
-from firmware_bridge.families.epos2.guard.writes import (
+from firmware_bridge.canopen_drive.guard.writes import (
     BRAKING_PDO,
     SAMPLE_PDO,
     STATUS_PDO,
-    Writes,
-    writes_on_can,
+    watch_of,
+    writes,
 )
-from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
+from firmware_bridge.canopen_drive.settings import DriveAxis, DriveLink
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import AnyRobot, CommandForm
+from firmware_bridge.robot import AnyRobot, Axis, CommandForm
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.units import Nanoseconds
@@ -86,6 +87,7 @@ class AxisSetPoint:
 
     command: CommandForm
     targets: range
+    unit: str
 
     def refuses(self, payload: bytes) -> str | None:
         """Check length, controlword and target."""
@@ -95,17 +97,18 @@ class AxisSetPoint:
         if word not in CONTROLWORDS[self.command]:
             return f"controlword 0x{word:04X} is not listed"
         if target not in self.targets:
-            unit = TARGET_UNIT[self.command]
-            return f"target {target} {unit} is not within {self.targets[0]} to {self.targets[-1]} {unit}"
+            bounds = f"{self.targets[0]} to {self.targets[-1]}"
+            return f"target {target} {self.unit} is not within {bounds} {self.unit}"
         return None
 
 
 @dataclass(frozen=True, slots=True)
 class Braking:
-    """The quick stop deceleration of one axis, in rpm/s."""
+    """The quick stop deceleration of one axis."""
 
     least: int
     most: int
+    unit: str
 
     def refuses(self, payload: bytes) -> str | None:
         """Check length and value."""
@@ -114,7 +117,8 @@ class Braking:
         (value,) = _BRAKING.unpack(payload)
         if self.least <= value <= self.most:
             return None
-        return f"quick stop deceleration of {value} rpm/s is not within {self.least} to {self.most} rpm/s"
+        unit = f"{self.unit}/s"
+        return f"quick stop deceleration of {value} {unit} is not within {self.least} to {self.most} {unit}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,15 +145,19 @@ class SdoRequest:
         return values.refuses(address, payload[4 : _SDO_LENGTH - unused])
 
 
-class Epos2CanRules(WireRules):
+class DriveCanRules(WireRules):
     """Frames that leave when they are handed over, and answers that go to their receivers."""
 
     axes: tuple[GuardedAxis, ...]
 
-    def __init__(self, robot: AnyRobot, link: str) -> None:
+    def __init__(
+        self, robot: AnyRobot, link: str, product: Callable[[Axis, AnyRobot], GuardedProduct]
+    ) -> None:
+        """Take the robot, the name of the link, and what returns the product of each axis."""
         self.link = link
-        self.axes = tuple(GuardedAxis(axis, robot) for axis in robot.axes_on(link))
-        self.listed: Final = _listed(robot, link, self.axes)
+        products = {axis.name: product(axis, robot) for axis in robot.axes_on(link)}
+        self.axes = tuple(GuardedAxis(axis, robot, products[axis.name]) for axis in robot.axes_on(link))
+        self.listed: Final = _listed(robot, link, self.axes, products)
         """The permitted content, by identifier."""
         self._by_node = {axis.node: axis for axis in self.axes}
         self._by_set_point = {_set_point_id(axis): axis for axis in self.axes}
@@ -179,6 +187,10 @@ class Epos2CanRules(WireRules):
         """Return what the frame has its axis do."""
         axis = self._by_set_point[packet.address]
         return {axis: axis.requested_by(GuardedSetPoint(*_SET_POINT.unpack(packet.payload)))}
+
+    def permitted(self, axis: Axis) -> str:
+        """Describe the targets that an axis of the link may be sent."""
+        return next(one.permitted for one in self.axes if one.axis.name == axis.name)
 
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Look into the list, and at what is in force."""
@@ -270,22 +282,29 @@ class Epos2CanRules(WireRules):
         return self.axes if node == cia301.ALL_NODES else (self._by_node[node],)
 
 
-def _listed(robot: AnyRobot, link: str, axes: tuple[GuardedAxis, ...]) -> dict[int, Content]:
+def _listed(
+    robot: AnyRobot, link: str, axes: tuple[GuardedAxis, ...], products: Mapping[str, GuardedProduct]
+) -> dict[int, Content]:
+    table = DriveLink.of_link(robot, link)
     nodes = (cia301.ALL_NODES, *(axis.node for axis in axes))
     states = (NmtState.OPERATIONAL, NmtState.PRE_OPERATIONAL, NmtState.STOPPED, NmtState.BOOT_UP)
     listed: dict[int, Content] = {
         cia301.NMT: Exactly(tuple(bytes((command, node)) for command in LISTED_NMT for node in nodes)),
         cia301.SYNC: Exactly((b"",)),
-        cia301.ERROR_CONTROL + Epos2Link.of_link(robot, link).bridge_node: Exactly(
-            tuple(bytes((one,)) for one in states)
-        ),
+        cia301.ERROR_CONTROL + table.bridge_node: Exactly(tuple(bytes((one,)) for one in states)),
     }
     for axis in axes:
-        listed[_set_point_id(axis)] = AxisSetPoint(axis.axis.command, axis.targets)
-        profile = Epos2Axis.of(axis.axis).profile
+        product = products[axis.axis.name]
+        command, units = axis.axis.command, product.units
+        listed[_set_point_id(axis)] = AxisSetPoint(command, axis.targets, units.name(command))
+        profile = DriveAxis.of(axis.axis).profile
         if (least := profile.quick_stop_least_rpm_s) is not None:
-            listed[cia301.RECEIVE_PDO[BRAKING_PDO] + axis.node] = Braking(least, profile.quick_stop_rpm_s)
-        listed[cia301.SDO_REQUEST + axis.node] = SdoRequest(writes_on_can(axis.axis, robot))
+            listed[cia301.RECEIVE_PDO[BRAKING_PDO] + axis.node] = Braking(
+                units.speed(least), units.speed(profile.quick_stop_rpm_s), units.speed_name
+            )
+        listed[cia301.SDO_REQUEST + axis.node] = SdoRequest(
+            writes(axis.axis, product, watch_of(table, table.bridge_node), table.drive_heartbeat_ms)
+        )
     return listed
 
 

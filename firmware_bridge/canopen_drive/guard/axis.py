@@ -1,4 +1,4 @@
-"""One axis of an EPOS2 as the guard knows it: what was sent, what was reported, what it may be sent."""
+"""One axis of a drive as the guard knows it: what was sent, what was reported, what it may be sent."""
 
 from collections.abc import Iterable
 from typing import Final
@@ -6,8 +6,9 @@ from typing import Final
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import PowerState, Status
 from firmware_bridge.canopen.objects import CONTROLWORD
-from firmware_bridge.families.epos2.guard.bounds import rpm_per_unit, targets
-from firmware_bridge.families.epos2.guard.words import (
+from firmware_bridge.canopen_drive.guard.bounds import speed_per_unit, targets
+from firmware_bridge.canopen_drive.guard.product import GuardedProduct
+from firmware_bridge.canopen_drive.guard.words import (
     DISABLE_VOLTAGE,
     ENABLE,
     HALT,
@@ -18,9 +19,8 @@ from firmware_bridge.families.epos2.guard.words import (
     START_HOMING,
     GuardedSetPoint,
 )
-from firmware_bridge.families.epos2.guard.zeroing import READ, WRITTEN, Zeroing
-from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
-from firmware_bridge.families.epos2.wire.power_states import state_of
+from firmware_bridge.canopen_drive.guard.zeroing import Zeroing
+from firmware_bridge.canopen_drive.settings import DriveAxis, DriveLink
 from firmware_bridge.robot import AnyRobot, Axis, CommandForm
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
@@ -35,11 +35,12 @@ class GuardedAxis:
         "_changed_at",
         "_confirmed_off",
         "_has_goal",
-        "_margin_qc",
+        "_margin",
         "_off_since",
         "_patience",
-        "_rpm_per_unit",
+        "_speed_per_unit",
         "_standstill_at",
+        "_unit",
         "_word",
         "all",
         "axis",
@@ -49,22 +50,25 @@ class GuardedAxis:
         "node",
         "reported",
         "speed",
+        "states",
         "target",
         "targets",
         "zeroing",
     )
 
-    def __init__(self, axis: Axis, robot: AnyRobot) -> None:
+    def __init__(self, axis: Axis, robot: AnyRobot, product: GuardedProduct) -> None:
         self.axis: Final = axis
-        self.node: Final = Epos2Axis.of(axis).node
+        self.node: Final = DriveAxis.of(axis).node
+        self.states: Final = product.states
         self.by_speed: Final = axis.command is CommandForm.SPEED
         """True where its target is a speed; else it is a position."""
-        self.zeroing: Final = Zeroing(axis)
+        self.zeroing: Final = Zeroing(axis, product)
         self.all: tuple[InForce, ...] = ()
         """Every axis of the robot, this one among them."""
-        self.targets: Final = targets(axis)
-        """The targets that it may be sent; rpm or quadcounts."""
-        self.cycle: Final = robot.cycle * Epos2Link.of_link(robot, axis.link).every
+        self._unit: Final = product.units.name(axis.command)
+        self.targets: Final = targets(axis, product.units)
+        """The targets that it may be sent; units of speed or counts."""
+        self.cycle: Final = robot.cycle * DriveLink.of_link(robot, axis.link).every
         """The time from one of its set-points to the next."""
         self.target = 0
         self.speed = 0.0
@@ -77,7 +81,7 @@ class GuardedAxis:
         """True once a Statusword has reported no power since the last Controlword that gives it."""
         self._off_since: Nanoseconds = NEVER
         """Time since when the Controlword in force disables the power; NEVER where it is another."""
-        link = Epos2Link.of_link(robot, axis.link)
+        link = DriveLink.of_link(robot, axis.link)
         self._patience: Final = link.confirmed(robot.cycle).by_object
         """Time within which a drive must confirm that."""
         self._word: int | None = None
@@ -88,9 +92,14 @@ class GuardedAxis:
         """Time when it was sent there, was halted, or was released again."""
         self._standstill_at: int | None = None
         """Position at standstill; small deviations from it are no motion. None while it is unknown."""
-        self._margin_qc: Final = Epos2Axis.of(axis).profile.max_following_error_qc
+        self._margin: Final = DriveAxis.of(axis).profile.max_following_error_qc
         """The largest such deviation. The reference stays, so that many small steps are none."""
-        self._rpm_per_unit: Final = rpm_per_unit(axis)
+        self._speed_per_unit: Final = speed_per_unit(axis, product.units)
+
+    @property
+    def permitted(self) -> str:
+        """The targets that it may be sent."""
+        return f"{self.targets[0]} to {self.targets[-1]} {self._unit}"
 
     @property
     def powered(self) -> bool:
@@ -144,16 +153,14 @@ class GuardedAxis:
         if self.by_speed:
             return set_point.word == ENABLE and set_point.target != 0
         if set_point.word == NEW_SET_POINT:
-            return (
-                self._standstill_at is None or abs(set_point.target - self._standstill_at) > self._margin_qc
-            )
+            return self._standstill_at is None or abs(set_point.target - self._standstill_at) > self._margin
         return set_point.word == ENABLE and self._has_goal
 
     def speed_with(self, set_point: GuardedSetPoint) -> float:
         """Return the speed with which the axis would move by this set-point, in its unit a second."""
         if not (self.by_speed and self.moves_with(set_point)):
             return 0.0
-        return set_point.target / self._rpm_per_unit
+        return set_point.target / self._speed_per_unit
 
     def requested_by(self, set_point: GuardedSetPoint) -> RequestedMotion:
         """Return what the axis would do by this set-point."""
@@ -222,7 +229,7 @@ class GuardedAxis:
         if address == CONTROLWORD:
             word = int.from_bytes(raw, "little")
             return self.zeroing.refuses_word(word, by_object=by_object) or self._homes_beside(word)
-        kind = WRITTEN.get(address)
+        kind = self.zeroing.written.get(address)
         if kind is None:
             return None
         moving = next((f"node {axis.node}" for axis in link if axis.moving), None)
@@ -236,7 +243,7 @@ class GuardedAxis:
 
     def wrote(self, address: Address, raw: bytes) -> None:
         """Note what was written to an object of its drive."""
-        kind = WRITTEN.get(address)
+        kind = self.zeroing.written.get(address)
         if kind is None:
             return
         self.zeroing.wrote(address, kind.decode(raw[: kind.size]))
@@ -246,14 +253,14 @@ class GuardedAxis:
 
     def read(self, address: Address, raw: bytes) -> None:
         """Note the value that its drive reports of an object."""
-        kind = READ.get(address)
+        kind = self.zeroing.read_kinds.get(address)
         if kind is not None:
             self.zeroing.read(address, kind.decode(raw[: kind.size]))
 
     def reports(self, statusword: int, now: Nanoseconds) -> None:
         """Note a Statusword; one without a valid state changes nothing."""
         # An unknown pattern must not pass for a state without power.
-        state = state_of(statusword)
+        state = self.states.state_of(statusword)
         if state is None:
             return
         self.reported = state
@@ -263,12 +270,12 @@ class GuardedAxis:
         if there and self._word != HALT and self._is_fresh(now):
             self._has_goal = False
 
-    def reports_position(self, position_qc: int, now: Nanoseconds) -> None:
+    def reports_position(self, position: int, now: Nanoseconds) -> None:
         """Note where the axis is."""
         # Without power the axis may be turned by hand, so each position is a new reference.
         resting = self._standstill_at is None and self._is_fresh(now) and not self.moving
         if resting or not self.powered:
-            self._standstill_at = position_qc
+            self._standstill_at = position
 
     def _is_fresh(self, now: Nanoseconds) -> bool:
         """Return whether a report cannot have left the drive before the newest set-point reached it."""

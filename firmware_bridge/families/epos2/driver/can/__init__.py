@@ -1,1 +1,0 @@
-"""EPOS2 drives on a CAN bus: process data in every cycle, objects over SDO."""
