@@ -24,6 +24,8 @@ class SetupObject:
     """Safety hangs on this value: it is read again after it was written."""
     also: frozenset[int] = frozenset()
     """Values that are as good."""
+    mask: int | None = None
+    """The bits that count where its value is read; None: all."""
     optional: bool = False
     """A drive without this object is as good."""
     awaited: Nanoseconds = 0
@@ -33,6 +35,8 @@ class SetupObject:
 
     def has(self, raw: bytes) -> bool:
         """Return whether this is the value, or as good."""
+        if self.mask is not None and len(raw) == self.type.size:
+            return self.type.decode(raw) & self.mask == self.value & self.mask
         return raw == self.raw or raw in {self.type.encode(value) for value in self.also}
 
     @property

@@ -10,14 +10,13 @@ from hypothesis import strategies as st
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.cia301 import NmtCommand
+from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.sdo_client import Outcome, SdoRefusedError, SdoTimeoutError, Transfer
 from firmware_bridge.canopen_drive.driver.object_request import ObjectRequest
+from firmware_bridge.canopen_drive.driver.object_sensor import MeasuredObject, ObjectSensor
 from firmware_bridge.drivers.driver import Level, Power, Reading
 from firmware_bridge.drivers.life_cycle import DriverState
-from firmware_bridge.families.epos2.driver.inputs_outputs import (
-    AnalogueInput,
-    DigitalOutputs,
-)
+from firmware_bridge.families.epos2.driver.inputs_outputs import DigitalOutputs
 from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.families.epos2.wire.functions import OUTPUT_STATE
@@ -28,6 +27,7 @@ from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from hil_tests.unit.drivers.link_drivers_bench import HOST, Bench
 from hil_tests.unit.drivers.robots import LINK, changed
 
+VOLTAGE = MeasuredObject(at.ANALOGUE_INPUT_1, DataType.INTEGER16, 6.0, 1000.0)
 ON, OFF = Level(on=True), Level(on=False)
 
 
@@ -213,7 +213,7 @@ def test_what_a_drive_refuses_is_not_known_and_what_it_does_not_answer_grows_old
     outcome: Outcome, *, kept: bool
 ) -> None:
     drive = Bare()
-    sensor = AnalogueInput(changed(equipped).sensors[0], drive)
+    sensor = ObjectSensor(changed(equipped).sensors[0], drive, VOLTAGE)
     sensor.measure(10)
     drive.requests[-1].end((500).to_bytes(2, "little"), 20)
     assert sensor.reading == Reading(3.0, 10, 20)
@@ -224,7 +224,7 @@ def test_what_a_drive_refuses_is_not_known_and_what_it_does_not_answer_grows_old
 
 def test_a_question_that_is_still_open_is_not_requested_again() -> None:
     drive = Bare()
-    sensor = AnalogueInput(changed(equipped).sensors[0], drive)
+    sensor = ObjectSensor(changed(equipped).sensors[0], drive, VOLTAGE)
     for now in (10, 20):
         sensor.measure(now)
     assert len(drive.requests) == 1

@@ -1,88 +1,25 @@
-"""Sensors and outputs at the pins of an EPOS2: its objects read and written beside the drive's tasks.
-
-The link is not known here: a drive takes an `ObjectRequest` and ends it.
-"""
+"""Sensors and outputs at the pins of an EPOS2: its objects read and written beside the drive's tasks."""
 
 from collections.abc import Iterable, Mapping
-from typing import Final, Protocol
+from typing import Final
 
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import DataType
-from firmware_bridge.canopen.sdo_client import SdoError, SdoTimeoutError, Transfer
+from firmware_bridge.canopen.sdo_client import SdoError, Transfer
 from firmware_bridge.canopen_drive.driver.object_request import ObjectRequest
-from firmware_bridge.drivers.driver import Level, Reading
+from firmware_bridge.canopen_drive.driver.object_sensor import IoDrive, MeasuredObject, ObjectSensor
+from firmware_bridge.drivers.driver import Level
 from firmware_bridge.drivers.life_cycle import DriverState
 from firmware_bridge.families.epos2.driver.product import general_purpose
 from firmware_bridge.families.epos2.settings import Epos2AnalogueInput, Epos2DigitalOutput
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.families.epos2.wire.functions import OUTPUT_STATE
-from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis, Output, Sensor
 from firmware_bridge.units import Nanoseconds
 
 MILLIVOLTS: Final = 1000.0
-_VOLTAGE: Final = DataType.INTEGER16
 _STATE: Final = DataType.UNSIGNED16
-
-
-class IoDrive(Protocol):
-    """The view of a drive for its inputs and outputs."""
-
-    @property
-    def axis(self) -> Axis:
-        """The axis that it moves."""
-
-    @property
-    def state(self) -> DriverState:
-        """Its place in the life cycle."""
-
-    @property
-    def set_ups(self) -> int:
-        """Number of times that its set-up was written; before each one the drive may have restarted."""
-
-    def request(self, request: ObjectRequest, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do this when nothing more urgent is to be done, or drop it."""
-
-
-class AnalogueInput:
-    """A sensor behind an analog input (0x207C, EDS); a `firmware_bridge.drivers.driver.SensorDriver`."""
-
-    def __init__(self, sensor: Sensor, drive: IoDrive) -> None:
-        self.sensor: Final = sensor
-        self._drive: Final = drive
-        self._address: Final = Address(at.ANALOGUE_INPUT_1.index, Epos2AnalogueInput.of(sensor).input)
-        self._per_volt: Final = Epos2AnalogueInput.of(sensor).per_volt
-        self._requested_at: Nanoseconds = NEVER_RECEIVED
-        self._request: ObjectRequest | None = None
-        self._reading: Reading | None = None
-
-    @property
-    def reading(self) -> Reading | None:
-        """Its last report; None where the drive has no such value."""
-        self._take()
-        return self._reading
-
-    def measure(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Ask for the voltage, unless the last question is still open."""
-        self._take()
-        if self._request is not None:
-            return ()
-        self._requested_at, self._request = now, ObjectRequest(Transfer(self._address, attempts=1))
-        return self._drive.request(self._request, now)
-
-    def _take(self) -> None:
-        request = self._request
-        if request is None or not request.over:
-            return
-        self._request = None
-        outcome = request.outcome
-        if isinstance(outcome, bytes) and len(outcome) == _VOLTAGE.size:
-            value = _VOLTAGE.decode(outcome) * self._per_volt / MILLIVOLTS
-            self._reading = Reading(value, self._requested_at, request.ended_at)
-        # A time-out leaves the last value, which expires by itself; a refusal means that there is none.
-        elif outcome is not None and not isinstance(outcome, SdoTimeoutError):
-            self._reading = None
 
 
 class DigitalOutputs:
@@ -133,14 +70,21 @@ class DigitalOutputs:
         self._confirmed = _STATE.decode(raw) if taken and raw is not None else None
 
 
-def inputs_of(robot: AnyRobot, link: str, drives: Iterable[IoDrive]) -> tuple[AnalogueInput, ...]:
+def inputs_of(robot: AnyRobot, link: str, drives: Iterable[IoDrive]) -> tuple[ObjectSensor, ...]:
     """Return the sensors on a link, in the robot file's order."""
     by_axis = {drive.axis.name: drive for drive in drives}
     return tuple(
-        AnalogueInput(sensor, by_axis[Epos2AnalogueInput.of(sensor).axis])
+        ObjectSensor(sensor, by_axis[Epos2AnalogueInput.of(sensor).axis], _measured(sensor))
         for sensor in robot.sensors
         if sensor.link == link
     )
+
+
+def _measured(sensor: Sensor) -> MeasuredObject:
+    """Return the analog input of a sensor (0x207C, EDS), in mV."""
+    settings = Epos2AnalogueInput.of(sensor)
+    address = Address(at.ANALOGUE_INPUT_1.index, settings.input)
+    return MeasuredObject(address, DataType.INTEGER16, settings.per_volt, MILLIVOLTS)
 
 
 def outputs_of(robot: AnyRobot, drives: Iterable[IoDrive]) -> tuple[DigitalOutputs, ...]:
