@@ -120,10 +120,15 @@ def fmu_bank(
 
 def set_motor(plant: FmuPlant, axis: ServoAxis) -> None:
     """Set an axis to the plant's data of its motor; missing ones stay unknown."""
+    set_winding(axis, *winding_of(plant, axis.name))
+
+
+def winding_of(plant: FmuPlant, axis: str) -> tuple[float, float, float]:
+    """Return the plant's torque constant, resistance and inductance of a motor; 0 for unknown ones."""
     constant, resistance, inductance = (
-        _start_of(plant, f"{name}_{axis.name}") for name in ("torque_constant", "resistance", "inductance")
+        _start_of(plant, f"{name}_{axis}") for name in ("torque_constant", "resistance", "inductance")
     )
-    set_winding(axis, constant, resistance, inductance)
+    return constant, resistance, inductance
 
 
 def _start_of(plant: FmuPlant, parameter: str) -> float:

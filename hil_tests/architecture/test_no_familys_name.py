@@ -17,17 +17,25 @@ from hil_tests.architecture.test_no_robots_name import identifiers, keys
 
 ROOT: Final = Path(__file__).parents[2]
 PACKAGES: Final = ("firmware_bridge", "emulators", "fmu")
+ENTRY_POINTS: Final = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"][
+    "entry-points"
+]
 THEIR_OWN: Final = (
     "firmware_bridge/families/",
+    *sorted(
+        {
+            f"{entry.partition(':')[0].rpartition('.')[0].replace('.', '/')}/"
+            for entry in ENTRY_POINTS["firmware_bridge.emulated_families"].values()
+        }
+    ),
     "firmware_bridge/robots/",
-    "emulators/arduino_omni/",
-    "emulators/epos2/",
-    "emulators/motion_capture/",
     "emulators/robots/",
     "fmu/ar2/",
     "fmu/rome_arm/",
 )
 """Families' folders on both sides, and robots' packages, which are made of particular devices."""
+STANDARDS: Final = frozenset({"cia402", "firmware_bridge.canopen.cia402"})
+"""The module of a standard, by which a family may be called, too."""
 MAKERS: Final = frozenset({"maxon", "natnet", "shield", "firmata", "arduinoio"})
 """Other words for a family's devices and protocols."""
 NAMES: Final = frozenset(family.name for family in families()) | MAKERS
@@ -43,7 +51,7 @@ def found_in(path: str, source: str) -> list[str]:
     """Return the families' names in a program, each with its place."""
     found = []
     for node in ast.walk(ast.parse(source)):
-        named = {word for name in identifiers(node) for word in words(name)} & NAMES
+        named = {word for name in identifiers(node) if name not in STANDARDS for word in words(name)} & NAMES
         looked_up = {key for key in keys(node) if words(key) & NAMES and " " not in key}
         found += [f"{path}:{getattr(node, 'lineno', 0)}: {word!r}" for word in sorted(named | looked_up)]
     return found
@@ -51,8 +59,7 @@ def found_in(path: str, source: str) -> list[str]:
 
 def of_this_tree() -> Iterator[str]:
     """Yield the families whose entry points stand in the tree."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    yield from project["entry-points"]["firmware_bridge.families"]
+    yield from ENTRY_POINTS["firmware_bridge.families"]
 
 
 def test_the_names_are_those_of_the_families_of_this_tree() -> None:

@@ -1,16 +1,16 @@
 """A robot's drives on a CAN bus, a serial line, or both, at the command line."""
 
-import re
 from typing import TYPE_CHECKING
 
 from emulators.cli.emulation import Emulation
 from emulators.cli.options import parameter_file
+from emulators.cli.silences import silence_of
 from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.recording import device_side
 from firmware_bridge.runtime.black_box import CAN_LOG, SERIAL_LOG
-from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
+from firmware_bridge.units import to_seconds
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -42,7 +42,7 @@ def emulate_drives(machine: "AnyRobot", given: "RobotOptions") -> Emulation:
     from fmu.errors import PlantError
 
     protocol = _generation(given.protocol)
-    cuts = [_cut(machine, text) for text in given.silence or ()]
+    cuts = [silence_of(machine, text) for text in given.silence or ()]
     near = on_the_line(given, [Epos2Axis.of(axis).node for axis in machine.axes])
     if given.link is None and len(Epos2Link.all_of(machine)) > 1 and given.serial is not None:
         raise refusal("--serial is of a robot with one link; here only --link NAME=INTERFACE:CHANNEL works")
@@ -140,15 +140,3 @@ def _opener(machine: "AnyRobot", name: str, place: "BusAddress") -> "Callable[[]
         )
     rate = Epos2Link.of_link(machine, name).bit_rate
     return lambda: open_can(place.interface, place.channel, None, default_bit_rate=rate, say=say)
-
-
-def _cut(robot: "AnyRobot", text: str) -> tuple[str, Nanoseconds]:
-    """Read NODE@SECONDS, where the node may be a number or the name of an axis."""
-    node, _, seconds = text.partition("@")
-    for axis in robot.axes:
-        if node in {str(Epos2Axis.of(axis).node), axis.name}:
-            if not re.fullmatch(r"\d+(\.\d+)?", seconds):
-                raise refusal(f"--silence {text}: give NODE@SECONDS, as {Epos2Axis.of(axis).node}@10")
-            return axis.name, from_seconds(float(seconds))
-    known = ", ".join(f"{Epos2Axis.of(axis).node} ({axis.name})" for axis in robot.axes)
-    raise refusal(f"--silence {text}: {robot.name} has no node '{node}'; it has {known}")

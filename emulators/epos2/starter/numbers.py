@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from typing import Final
 
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.epos2.starter.tuning import VELOCITY_P_UNIT, velocity_gains
+from emulators.epos2.starter.tuning import velocity_gains
 from emulators.motors import Motor
+from emulators.servo.tuning import VELOCITY_P
 from firmware_bridge.canopen_drive.settings import BRUSHED, SINUSOIDAL
 from firmware_bridge.families.epos2.settings import Epos2Device
 from firmware_bridge.families.epos2.wire.hardware import too_fast
@@ -131,7 +132,7 @@ def worked_out(given: Specification) -> dict[str, str]:
         "inductance_mh": f"{1e3 * motor.inductance_h:.3g}",
         "torque_constant_mnm": f"{1e3 * motor.torque_constant_nm_a:.3g}",
         "inertia_gcm2": f"{1e7 * inertia:.4g}",
-        "count_current": f"{gains.velocity_p / VELOCITY_P_UNIT * count:.2f}",
+        "count_current": f"{gains.velocity_p / VELOCITY_P * count:.2f}",
         **gains.model_dump(),
         # What the missions ask for.
         "cruise": _number(0.5 * given.speed_mps),

@@ -86,8 +86,11 @@ class DriveFeedback:
         self.unpowered = False
         """True where the newest Statusword has a state without torque; False again after a power request."""
 
-        self.reference_lost = False
-        """True where a Statusword has reported this, or it restarted, since it was referenced."""
+        self.reference_lost = not self._referenced
+        """True where a Statusword has reported this, or it restarted, since it was referenced.
+
+        Of a drive that cannot report it: until it is referenced by this bridge.
+        """
         self.zeroing = False
         """True while its counter is being set: a difference between two samples then is no motion."""
         self.seeking = False

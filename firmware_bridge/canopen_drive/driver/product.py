@@ -38,6 +38,10 @@ class DriveProduct:
     homing: tuple[SetupObject, ...] = ()
     """What the homing by the robot file hangs on; empty without one."""
     controlword_gap: Nanoseconds = 0
-    """Least time between a new state and the next Controlword towards power."""
+    """Least time between two Controlwords whose order counts."""
+    mode_within: Nanoseconds = 0
+    """Time until it shows a mode that was written; 0: at once."""
+    mode_hint: str = ""
+    """What a drive that does not show it is like, for people."""
     boot_polls: int = 5
     """Attempts to read the Statusword of a drive that starts."""

@@ -15,6 +15,7 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.sdo_client import ATTEMPTS, Outcome, SdoError, SdoRefusedError, Transfer
+from firmware_bridge.canopen_drive.driver.product import DriveProduct
 from firmware_bridge.canopen_drive.driver.setup_object import SetupObject
 from firmware_bridge.canopen_drive.settings import DriveAxis
 from firmware_bridge.drivers.driver import StartupError
@@ -138,6 +139,11 @@ def _awaited(axis: Axis, row: SetupObject, polls: int) -> Ask:
 def pause(duration: Nanoseconds) -> Until:
     """Let time pass."""
     return Until(lambda: False, duration)
+
+
+def apart(product: DriveProduct) -> Script:
+    """Let the time pass that a drive needs between two Controlwords."""
+    return (pause(product.controlword_gap),) if product.controlword_gap else ()
 
 
 def failing(axis: Axis, problem: str) -> Do:

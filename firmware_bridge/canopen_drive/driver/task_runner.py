@@ -29,7 +29,7 @@ WITHIN: Final[Mapping[Task, Nanoseconds]] = {
     Task.BRAKE: 5 * SECOND,
     Task.DISABLE: 5 * SECOND,
     Task.RESET: 5 * SECOND,
-    Task.SET_ZERO: 10 * SECOND,
+    Task.SET_ZERO: 30 * SECOND,
 }
 """Time limit of a task in all.
 

@@ -25,6 +25,7 @@ from firmware_bridge.canopen_drive.driver.set_point import (
 from firmware_bridge.canopen_drive.driver.setup_object import SetupObject
 from firmware_bridge.canopen_drive.driver.steps import (
     POLL,
+    apart,
     controlled,
     expected,
     failing,
@@ -269,9 +270,7 @@ def _towards_enabled(axis: Axis, feedback: DriveFeedback, set_point: DriveSetPoi
         command = towards(feedback.state, PowerState.OPERATION_ENABLED)
         word = None if command is None else word_of(command)
         go_on = Do(lambda: _towards_enabled(axis, feedback, set_point, resets))
-        gap = feedback.product.controlword_gap
-        waited = (pause(gap),) if gap else ()
-        return (*_turn(axis, feedback, set_point, word), *waited, go_on)
+        return (*_turn(axis, feedback, set_point, word), *apart(feedback.product), go_on)
     if resets == FAULT_RESETS:
         raise StartupError(axis, f"the fault came back after {resets} resets{_fault(feedback)}")
     return (

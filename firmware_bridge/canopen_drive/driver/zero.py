@@ -15,11 +15,21 @@ from firmware_bridge.canopen.cia402 import ControlwordBit, Mode, PowerState, Sta
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.sdo_client import Transfer
 from firmware_bridge.canopen_drive.driver.feedback import DriveFeedback
+from firmware_bridge.canopen_drive.driver.product import DriveProduct
 from firmware_bridge.canopen_drive.driver.scale import WHOLE_COUNTER, Scale, travel_of
 from firmware_bridge.canopen_drive.driver.set_point import ENABLE, HALT
 from firmware_bridge.canopen_drive.driver.setup import MODE
 from firmware_bridge.canopen_drive.driver.setup_object import SetupObject
-from firmware_bridge.canopen_drive.driver.steps import controlled, expected, failing, pause, read, written
+from firmware_bridge.canopen_drive.driver.steps import (
+    apart,
+    controlled,
+    expected,
+    failing,
+    pause,
+    read,
+    set_up,
+    written,
+)
 from firmware_bridge.canopen_drive.settings import DriveAxis
 from firmware_bridge.drivers.driver import StartupError
 from firmware_bridge.drivers.script_runner import Ask, Do, Script, Step, Until
@@ -71,13 +81,15 @@ def _homing(
         steps.append(expected(axis, row))
     return (
         *steps,
-        *_mode(axis, Mode.HOMING),
+        *_mode(axis, Mode.HOMING, feedback.product),
         controlled(axis, ENABLE),
+        *apart(feedback.product),
         controlled(axis, START_HOMING),
         *awaited,
         # Bit 4 falls before the mode is another: there it is a new position, the one of before.
         _halted(axis),
-        *_mode(axis, MODE[axis.command]),
+        *apart(feedback.product),
+        *_mode(axis, MODE[axis.command], feedback.product),
         _counts(axis, feedback, at),
     )
 
@@ -127,12 +139,21 @@ def _is_enabled(axis: Axis, feedback: DriveFeedback) -> Script:
     return ()
 
 
-def _mode(axis: Axis, mode: Mode) -> Script:
+def _mode(axis: Axis, mode: Mode, product: DriveProduct) -> Script:
     """Change the mode of operation, and wait for the drive's own report of it."""
     raw = DataType.INTEGER8.encode(mode)
     # 0x6061 shows the mode that is in force; 0x6060 only what was requested.
-    display = SetupObject(od.MODE_DISPLAY, DataType.INTEGER8, mode, "mode of operation", "it counts now")
-    return (written(axis, Transfer(od.MODE, raw), f"writing mode {mode:d}"), expected(axis, display))
+    display = SetupObject(
+        od.MODE_DISPLAY,
+        DataType.INTEGER8,
+        mode,
+        "mode of operation",
+        "it counts now",
+        awaited=product.mode_within,
+        hint=product.mode_hint,
+    )
+    shown = set_up(axis, display) if product.mode_within else (expected(axis, display),)
+    return (written(axis, Transfer(od.MODE, raw), f"writing mode {mode:d}"), *shown)
 
 
 def _attained(axis: Axis, feedback: DriveFeedback, polls: int) -> Ask:
