@@ -44,7 +44,7 @@ WAY_OF_A_PACKET: Final = (
     "emulators/bench/orders.py",
     "emulators/bench/stick.py",
     "emulators/canopen/*.py",
-    "emulators/cia402/*.py",
+    "emulators/cia402/[!f]*.py",
     "emulators/drive/*.py",
     "emulators/epos2/canopen/*.py",
     "emulators/epos2/control/*.py",

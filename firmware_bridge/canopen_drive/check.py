@@ -76,6 +76,9 @@ def _at_drives(key: str, rows: list[Raw], axes: list[Raw], links: Collection[str
     found = {str(axis.get("name")): axis.get("link") for axis in axes}
     pins: dict[tuple[object, int], int] = {}
     for index, row in enumerate(rows):
+        # A row on a link of another family is that family's to check.
+        if row.get("link") not in links:
+            continue
         settings = raw.within(row, "settings")
         axis, output = settings.get("axis"), settings.get("output")
         if not isinstance(axis, str):

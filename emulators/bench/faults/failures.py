@@ -37,7 +37,7 @@ def failures_of(robot: AnyRobot) -> tuple[Failure, ...]:
     """Return every failure that this robot can have, in the order of the table of kinds."""
     found = []
     for kind in kinds().values():
-        for how in SEVERE.get(kind.name, ({},)):
+        for how in kind.severe or SEVERE.get(kind.name, ({},)):
             for place, keys in _places(kind, robot):
                 failure = Failure(kind.name, place, {**how, **keys}, kind.lasts)
                 # A fault that this robot cannot have is no row: the fault's own check decides.

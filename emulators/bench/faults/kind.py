@@ -1,6 +1,8 @@
 """Description of a kind of fault: the physical event, and the emulated device's reaction."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from emulators.bench.faults.fault import Fault, Lasting
 
@@ -16,6 +18,8 @@ class FaultKind:
     """The emulated device's reaction."""
     acts_on: str = ""
     """Target: of two faults with one target on one node one must end before the other begins."""
+    severe: tuple[Mapping[str, Any], ...] = ()
+    """Other keys with which it is tried; empty: those of `emulators.bench.faults.severe`."""
 
     @property
     def name(self) -> str:

@@ -54,7 +54,7 @@ MISTAKES = (
         "a driver of another maker",
         ('driver = "epos2-can"', 'driver = "stepper"'),
         "links.drives.driver",
-        ("'stepper'", "there are: ar2, epos2-can, epos2-serial, natnet, mavlink-pose, motor-shield"),
+        ("'stepper'", "there are: ar2, ", "epos2-can, epos2-serial"),
     ),
     Mistake(
         "unknown device",
