@@ -100,9 +100,17 @@ class MotionControl:
     """The servo's power states, modes and supervision: an `emulators.canopen.application.Application`."""
 
     def __init__(
-        self, store: ObjectStore, axis: ServoAxis, report: Callable[[int], None], traits: Traits = PLAIN
+        self,
+        store: ObjectStore,
+        axis: ServoAxis,
+        report: Callable[[int], None],
+        traits: Traits = PLAIN,
+        settings: Settings | None = None,
     ) -> None:
-        """Set hooks in the store; `report` takes emergency codes, and NO_ERROR when a fault was reset."""
+        """Set hooks in the store; `report` takes emergency codes, and NO_ERROR when a fault was reset.
+
+        `settings` are its tuning.
+        """
         self.hung = False
         """A bench test's fault: controlwords and set-points are taken and not carried out."""
         self._store: Final = store
@@ -129,7 +137,7 @@ class MotionControl:
             supervision=errors.SUPERVISION,
             report=self._report,
         )
-        self._settings: Final = Settings()
+        self._settings: Final = settings or Settings()
         self._operational = False
         self._apart_since: Nanoseconds = NEVER
         """Begin of the present following error."""

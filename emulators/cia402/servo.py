@@ -15,6 +15,7 @@ from emulators.cia402.errors import EMERGENCIES
 from emulators.cia402.motion_control import MotionControl
 from emulators.cia402.variations import PLAIN, Traits
 from emulators.servo.axis import ServoAxis
+from emulators.servo.scaling import Settings
 from firmware_bridge.canopen.abort import AbortCode, SdoAbort
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import COB_ID_NO_REMOTE, LAST_NODE
@@ -62,23 +63,42 @@ class Servo(CanopenSlave):
         axis: ServoAxis,
         traits: Traits = PLAIN,
         *,
+        settings: Settings | None = None,
+        commissioned: Mapping[Address, int] = MappingProxyType({}),
         storage: Storage | None = None,
         bus_rate: int | None = None,
     ) -> None:
-        """`storage` keeps saved parameters; at another bit rate than `bus_rate` it is off the bus."""
+        """Take the settings and objects of its maker's tool; without them it has its own.
+
+        `storage` keeps saved parameters; at another bit rate than `bus_rate` it is off the bus.
+        """
         if not 0 <= node_id <= LAST_NODE:
             raise ValueError(f"a switch gives a number between 0 and {LAST_NODE}, not {node_id}")
+        self._number: Final = node_id
+        self._axis: Final = axis
+        self._settings: Final = settings
+        self._commissioned: Final = commissioned
+        self._storage: Final = storage or Volatile()
+        self._rate: Final = bus_rate
+        self.become(traits)
+
+    def become(self, traits: Traits) -> None:
+        """Put a servo with these traits in the place of this one, with the same motor and parameters.
+
+        It is without power, and starts with the next packet.
+        """
         rates = {rate: code for code, rate in BIT_RATES.items()}
+        own_rate = {} if self._rate is None else {at.BIT_RATE: rates[self._rate]}
         store = ObjectStore(
-            at.objects_of(axis.encoder_resolution, traits.absent),
-            node_id or FIRST_NUMBER,
-            {} if bus_rate is None else {at.BIT_RATE: rates[bus_rate]},
+            at.objects_of(self._axis.encoder_resolution, traits.absent),
+            self._number or FIRST_NUMBER,
+            {**self._commissioned, **own_rate},
         )
-        self.motion: Final = MotionControl(store, axis, self.report, traits)
+        self.motion = MotionControl(store, self._axis, self.report, traits, self._settings)
         if traits.keeps_no_remote:
             for place in range(at.PDOS):
                 store.on_write(Address(TRANSMIT_PARAMETER + place, 1), _has_no_remote)
         product = replace(PRODUCT, boot_time=traits.boot_time, transmit_types=traits.transmit_types)
         super().__init__(
-            node_id, store, product, self.motion, storage=storage or Volatile(), bus_rate=bus_rate
+            self._number, store, product, self.motion, storage=self._storage, bus_rate=self._rate
         )

@@ -51,6 +51,10 @@ class Traits:
     no_method_0: bool = False
     """0x6098 refuses 0."""
 
+    def with_(self, *, offset_added: bool) -> "Traits":
+        """Return these traits, and 0x607C read this way."""
+        return replace(self, offset_added=offset_added)
+
 
 PLAIN: Final = Traits()
 
@@ -62,8 +66,11 @@ class Variation:
     text: str
     seen: str
     traits: Traits
+    bridge: str = "drives"
+    """What the bridge does with such a drive."""
 
 
+UNCONFIRMED: Final = "drives; an axis whose position must be confirmed or homed is not armed"
 VARIATIONS: Final[Mapping[str, Variation]] = MappingProxyType(
     {
         "late-boot-up": Variation(
@@ -90,11 +97,13 @@ VARIATIONS: Final[Mapping[str, Variation]] = MappingProxyType(
             "A mode that is written while halt is 1 is not taken: 0x6061 stays as it is.",
             "Engel HBI3760, ros2_canopen issue 234: that master halts while it changes the mode",
             Traits(mode_not_halted=True),
+            UNCONFIRMED,
         ),
         "mode-without-power": Variation(
             "A mode that is written in Operation enabled is not taken: 0x6061 stays as it is.",
             "Schunk and Elmo, ipa_canopen pull request 29; SOEM issue 510",
             Traits(mode_without_power=True),
+            UNCONFIRMED,
         ),
         "mode-synchronizes": Variation(
             "0x6061 shows -1 for 5 s after a mode was written.",
@@ -125,6 +134,7 @@ VARIATIONS: Final[Mapping[str, Variation]] = MappingProxyType(
             "Its transmit PDOs are sent on events and requests only, never with SYNC.",
             "assumed, of drives with fixed PDOs; canopen's profile then goes by the last one that came",
             Traits(transmit_types=frozenset({*EVENT_DRIVEN, ON_REQUEST})),
+            "refuses to start: it samples its drives by SYNC",
         ),
         "keeps-no-remote": Variation(
             "The COB-ID of a transmit PDO is refused without bit 30.",
@@ -140,6 +150,7 @@ VARIATIONS: Final[Mapping[str, Variation]] = MappingProxyType(
             "At home 0x6064 is 0x607C, not its negative.",
             "KEB's manual; canopen issue 246",
             Traits(offset_added=True),
+            'drives with home = "itself" in the robot file; without it the axis is not armed',
         ),
         "no-method-0": Variation(
             "0x6098 refuses 0, with 0x06090030.",

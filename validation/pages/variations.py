@@ -21,8 +21,8 @@ def parts(table: Table) -> tuple[str, ...]:
         TITLE,
         TEXT,
         table(
-            ("variation", "what it does", "seen"),
-            ((f"`{name}`", row.text, row.seen) for name, row in VARIATIONS.items()),
+            ("variation", "what it does", "seen", "the bridge"),
+            ((f"`{name}`", row.text, row.seen, row.bridge) for name, row in VARIATIONS.items()),
         ),
         "## Stated assumptions",
         table(("assumption", "file"), board_fidelity.assumptions(FOLDER)),

@@ -12,6 +12,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER, from_seconds
 from hil_tests.rows import every
 from hil_tests.unit.capture_driver.capture_bench import table as cameras
+from hil_tests.unit.cia402_drives.on_servos import rars
 from validation.pages.faults import parameters, target
 
 RARS = robot_types.find("rars")
@@ -54,6 +55,7 @@ LEAST = {
     "load_lifted": 'node = "two"',
     "motor_supply_sag": "to_v = 2.0",
     "encoder_cable_off": 'node = "two"',
+    "drive_variation": 'node = "left"\nnames = ["late-boot-up"]',
     "motor_leads_swapped": 'node = "two"',
 }
 """Required keys of a kind beside its instant."""
@@ -76,6 +78,7 @@ def refusal(text: str, robot: AnyRobot = RARS) -> list[str]:
 SEEN = RARS.with_links({"cameras": cameras()})
 ON = {
     "grip_lost": robot_types.find("climber"),
+    "drive_variation": rars(),
     "serial_unplugged": SERIAL,
     **dict.fromkeys(("body_hidden", "body_shakes", "markers_swapped", "capture_late", "capture_loss"), SEEN),
 }
@@ -252,13 +255,15 @@ def test_a_fault_from_python_is_checked_alike() -> None:
     )
 
 
+FREE = frozenset({"`node`", "`between`", "`link`", "`data`", "`names`"})
+"""Keys whose values no table can list."""
+
+
 @every("kind", kinds().values(), ids=lambda kind: kind.name)
 def test_every_key_of_every_kind_is_explained(kind: FaultKind) -> None:
     keys = {key: (text, values) for key, text, values, _ in parameters(kind)}
     assert all(text for text, _ in keys.values())
-    assert all(
-        values for key, (_, values) in keys.items() if key not in {"`node`", "`between`", "`link`", "`data`"}
-    )
+    assert all(values for key, (_, values) in keys.items() if key not in FREE)
     assert kind.happens.endswith(".")
     assert kind.does.endswith(".")
     assert target(kind)

@@ -27,13 +27,15 @@ from firmware_bridge.cli import main
 from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
 from firmware_bridge.robot_types import find, names
 from firmware_bridge.units import MILLISECOND
+from hil_tests.unit.cia402_drives.on_servos import rars
 
 ROWS = int(WATCHED_S * 100)
 MACHINES = (*names(), "rome+cameras")
 
 
 def test_every_kind_of_fault_is_tried_on_some_robot() -> None:
-    tried = {failure.kind for name in MACHINES for failure in failures_of(find(name))}
+    machines = (*(find(name) for name in MACHINES), rars())
+    tried = {failure.kind for robot in machines for failure in failures_of(robot)}
     assert set(kinds()) == tried
     assert set(SEVERE) <= set(kinds())
     assert {row.kind for row in REASONS} <= set(kinds())

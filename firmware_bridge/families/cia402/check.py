@@ -1,0 +1,29 @@
+"""Consistency of a robot file's tables on CiA 402 drives: nodes, times, homing, what measures the supply."""
+
+from collections.abc import Iterator
+from typing import Final
+
+from firmware_bridge.canopen_drive import check as drives
+from firmware_bridge.families.cia402.settings import Cia402Driver
+from firmware_bridge.robot import Problem, raw
+from firmware_bridge.robot.raw import Raw
+
+STANDARD: Final = range(1, 38)
+"""Homing methods of CiA 402; below 0 they are a maker's own."""
+
+
+def check(table: Raw) -> Iterator[Problem]:
+    """Yield the inconsistencies of a robot's drives."""
+    links = raw.links_of(table, Cia402Driver)
+    own = {index: axis for index, axis in enumerate(raw.rows(table, "axes")) if axis.get("link") in links}
+    yield from drives.check(table, links)
+    for index, axis in own.items():
+        homing = raw.within(raw.within(axis, "zero"), "homing")
+        method, offset = homing.get("method"), homing.get("offset")
+        if isinstance(method, int) and method not in STANDARD:
+            known = "1, 2, 7, 11, 17, 18, 23, 27, 33 and 34"
+            problem = f"{method} is a method of maxon's EPOS; of CiA 402 there are {known}"
+            yield Problem(f"axes[{index}].zero.homing.method", problem)
+        if isinstance(offset, int | float) and offset:
+            problem = f"{offset:g}: a CiA 402 drive stays where it has found its reference; leave it out"
+            yield Problem(f"axes[{index}].zero.homing.offset", problem)

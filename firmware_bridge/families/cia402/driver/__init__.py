@@ -1,0 +1,1 @@
+"""Driver of a CiA 402 drive of any maker."""

@@ -1,0 +1,1 @@
+"""The guard's rules of CiA 402 drives of any maker."""

@@ -1,0 +1,104 @@
+"""CiA 402 drives in a robot file: their CAN bus, one drive, the supply that it measures."""
+
+from enum import StrEnum
+from typing import Annotated, ClassVar, Final, Self
+
+from pydantic import Field, model_validator
+
+from firmware_bridge.canopen_drive.settings import DriveAxis, DriveLink, StopTimes
+from firmware_bridge.robot.table import Name, Positive, SettingsTable, Unsigned32
+
+BOOT_MS: Final = 3_000
+"""Longest time of a drive's start; the slowest one known takes 1.5 s."""
+
+
+class Cia402Driver(StrEnum):
+    """The bridge's connection to the drives."""
+
+    CAN = "cia402-can"
+
+
+class Cia402Link(DriveLink):
+    """The CAN bus, the bridge's node, and the time-outs."""
+
+    driver: Annotated[Cia402Driver, Field(strict=False)]
+    stop_confirmed_ms: StopTimes = StopTimes(reset=BOOT_MS)
+
+
+class Cia402Device(StrEnum):
+    """The kind of drive."""
+
+    SERVO = "cia402"
+
+
+class Home(StrEnum):
+    """The position at home by 0x607C: the standard reads both ways."""
+
+    NEGATIVE = "negative"
+    """-0x607C: zero lies 0x607C beyond home (CiA 402-2)."""
+    ITSELF = "itself"
+    """0x607C."""
+
+
+class Cia402Axis(DriveAxis):
+    """One drive, its motor and its encoder; its maker's tool has commissioned and tuned it."""
+
+    device: Annotated[Cia402Device, Field(strict=False)]
+    vendor_id: Unsigned32
+    """0x1018:01, which `canopen` tools show; so is the next."""
+    product_code: Unsigned32
+    motor: str
+    encoder_counts: Annotated[int, Field(ge=16, le=0x7FFF_FFFF)]
+    """Units of 0x6064 in one turn of the motor's shaft: edges of the encoder, where nothing scales them."""
+    speed_units_per_rpm: Positive = 1.0
+    """Units of 0x606C for 1 rpm of the motor, and of 0x6083 for 1 rpm/s."""
+    continuous_current_ma: Annotated[int, Field(ge=1, le=0xFFFF_FFFF)]
+    """The rated current, 0x6075: the drive's other currents are thousandths of it."""
+    peak_current_ma: Annotated[int, Field(ge=1, le=0xFFFF_FFFF)]
+    current_object: int = 0x6078
+    """The motor's current: 0x6078, or 0x6077, its torque, where the drive has no other."""
+    home: Annotated[Home, Field(strict=False)] = Home.NEGATIVE
+    tuned_for_kg_m2: Positive | None = None
+    """Inertia at the motor's shaft that the maker's tool has tuned the drive for; on the bench alone."""
+
+    @model_validator(mode="after")
+    def _the_current_is_one(self) -> Self:
+        if self.current_object not in {0x6077, 0x6078}:
+            raise ValueError(f"current_object = 0x{self.current_object:04X}: must be 0x6077 or 0x6078")
+        return self
+
+    @model_validator(mode="after")
+    def _its_ramps_are_units(self) -> Self:
+        slowest = min(
+            self.profile.velocity_rpm, self.profile.acceleration_rpm_s,
+            self.profile.deceleration_rpm_s, self.profile.quick_stop_rpm_s,
+        )  # fmt: skip
+        if slowest * self.speed_per_rpm < 1.0:
+            raise ValueError(f"speed_units_per_rpm = {self.speed_units_per_rpm:g}: a ramp is below 1 unit")
+        return self
+
+    @property
+    def counts_per_turn(self) -> int:
+        """Counts of position in one turn of the motor's shaft."""
+        return self.encoder_counts
+
+    @property
+    def speed_per_rpm(self) -> float:
+        """Units of the drive's speeds and accelerations for 1 rpm and 1 rpm/s of the motor."""
+        return self.speed_units_per_rpm
+
+
+class Measured(StrEnum):
+    """What a drive measures beside its axis."""
+
+    SUPPLY = "supply"
+    """The voltage of its DC link, 0x6079."""
+
+
+class Cia402Supply(SettingsTable):
+    """The voltage that a drive measures at its supply, 0x6079."""
+
+    VOLTAGE: ClassVar[bool] = True
+
+    axis: Name
+    measures: Annotated[Measured, Field(strict=False)]
