@@ -24,6 +24,10 @@ GROUP: Final = "firmware_bridge.plants"
 UNKNOWN: Final = About()
 
 
+ONLY: Final = "*"
+"""In a path: the only row of a table, whatever its name."""
+
+
 @dataclass(frozen=True, slots=True)
 class Plant:
     """A plant that can be built; an entry point names such a value.
@@ -181,12 +185,14 @@ def _unknown(problem: str, name: str, known: Iterable[str]) -> UnknownNameError:
 
 
 def _at(robot: object, path: str, plant: str) -> float:
-    """Return the number at the end of a path: by key, by the `name` of a row, or by attribute."""
+    """Return the number at the end of a path: by key, by the `name` of a row, `ONLY` row, or by attribute."""
     found = robot
     for part in path.split("."):
         rows = _rows(found)
         if part in rows:
             found = rows[part]
+        elif part == ONLY and len(rows) == 1:
+            (found,) = rows.values()
         elif part.isidentifier() and hasattr(found, part):
             found = getattr(found, part)
         else:

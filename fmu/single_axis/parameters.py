@@ -112,4 +112,11 @@ SETS: Final[Mapping[str, Mapping[str, float]]] = {
 }
 """Named benches: a flywheel, the same without backlash, an axis to be homed, a weight on an arm."""
 
-PLANT: Final = Plant("single_axis", "fmu.single_axis", PARAMETERS, SETS)
+PLANT: Final = Plant(
+    "single_axis",
+    "fmu.single_axis",
+    PARAMETERS,
+    SETS,
+    robot_file={"axes.*.ratio": ("gear_axis", 1.0)},
+    stops={"axis": ("stop_low", "stop_high")},
+)

@@ -20,6 +20,7 @@ BOARDS: Final[Mapping[str, tuple[str, ...]]] = {
 LINES: Final[Mapping[str, tuple[str, ...]]] = {
     "rars": RARS,
     "climber": ("climber", "climber+serial"),
+    "servo_axis": ("servo_axis",),
     **BOARDS,
 }
 """Links of each robot, as `driving.robot_of` reads them."""
@@ -43,7 +44,7 @@ class Motion:
 
 
 STRAIGHT: Final = Motion("straight ahead")
-HIT: Final = {"rars": "left", "climber": "left", "rome": "two", "rome_arm": "two"}
+HIT: Final = {"rars": "left", "climber": "left", "servo_axis": "axis", "rome": "two", "rome_arm": "two"}
 AHEAD: Final = Motion("ahead at 0.5 m/s", {"speed_mps": 0.5}, "left")
 BACK: Final = Motion("backwards at 0.5 m/s", {"speed_mps": -0.5}, "right")
 TURNING: Final = Motion(

@@ -109,7 +109,7 @@ def test_build_writes_what_check_finds_good(tmp_path: Path, fmi: int) -> None:
     assert read_model_description(str(path)).fmiVersion == f"{fmi}.0"
     status, out, err = run("check", str(path))
     assert (status, err) == (0, "")
-    others = "ar2 lacks 24, climber lacks 4, rome lacks 13, rome_arm lacks 38"
+    others = "ar2 lacks 24, climber lacks 4, rome lacks 13, rome_arm lacks 38, servo_axis lacks 6"
     assert out.splitlines() == [
         "verdict:      good; it fits diff_drive, rars",
         f"model:        rars, 183 variables, FMI {fmi}.0, co-simulation and model exchange",

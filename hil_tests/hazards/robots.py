@@ -46,6 +46,17 @@ RARS: Final = (
     Function("lift range limit", "the lift runs into its end", "a wrong reference that is confirmed"),
     ACCELERATION,
 )
+SERVO_AXIS: Final = (
+    Function("position unknown", "the axis goes where no one commanded: its position is unknown", "-"),
+    Function(
+        "axis outside",
+        "the axis is where it can hit its stop, or people beside it",
+        "a wrong reference that is confirmed",
+    ),
+    Function("speed limit", "the axis is too fast for people near it", "people are not detected"),
+    Function("travel limit", "the axis runs into its end", "a wrong reference that is confirmed"),
+    Function("acceleration limit", "a sudden command throws what the axis carries", "-"),
+)
 ROME: Final = (
     Function(
         "base slips",
@@ -140,6 +151,7 @@ OWN: Final[Mapping[str, tuple[Function, ...]]] = {
     "rars": (*RARS, DELAY),
     "rome": (*ROME, DELAY),
     "ar2": (*AR2, DELAY),
+    "servo_axis": (*SERVO_AXIS, DELAY),
     "climber": (*CLIMBER, DELAY),
     "rome_arm": (*ROME_ARM, DELAY),
 }

@@ -17,6 +17,7 @@ from firmware_bridge.robots.climber.geometry import ClimberGeometry
 from firmware_bridge.robots.rars.geometry import RarsGeometry
 from firmware_bridge.robots.rome.geometry import RomeGeometry
 from validation.pages.arm_drawings import ar2, rome_arm
+from validation.pages.axis_drawing import servo_axis
 from validation.pages.base_views import base_from_above, base_from_the_side
 from validation.pages.sheet import (
     BLUE,
@@ -256,6 +257,7 @@ DRAWINGS: Final[Mapping[str, Callable[[AnyRobot], str]]] = {
     "rome_arm": rome_arm,
     "ar2": ar2,
     "climber": climber,
+    "servo_axis": servo_axis,
 }
 
 

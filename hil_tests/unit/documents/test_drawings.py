@@ -48,6 +48,7 @@ USED: Mapping[str, tuple[str, ...]] = {
         "wall.length_m",
         "wall.mass_height_m",
     ),
+    "servo_axis": ("limits.speed", "limits.acceleration"),
 }
 
 
