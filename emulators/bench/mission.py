@@ -146,10 +146,22 @@ def parse(text: str, file: str, robot: AnyRobot, bench_setup: BenchSetup) -> Mis
         mission = model.model_validate(table, context={ROBOT: robot})
     except ValidationError as error:
         raise MissionFileError(file, *problems_of(error, model)) from error
+    mission = mission.model_copy(
+        update={"step": tuple(_confirmed(step, robot, bench_setup) for step in mission.step)}
+    )
     problems = (*cannot_say(mission, robot, bench_setup), *starmap(Problem, misfits(mission.fault, robot)))
     if problems:
         raise MissionFileError(file, *problems)
     return mission
+
+
+def _confirmed(step: Step, robot: AnyRobot, bench_setup: BenchSetup) -> Step:
+    """Return a step that confirms with the positions of the axes that need it; other steps as they are."""
+    if step.confirm is None:
+        return step
+    places = bench_setup.start_positions
+    known = {axis.role: places.get(axis.role, 0.0) for axis in robot.axes if axis.needs_confirmation}
+    return step.model_copy(update={"zero": (known | (step.zero or {})) or None})
 
 
 def load(path: Path, robot: AnyRobot, bench_setup: BenchSetup) -> Mission:

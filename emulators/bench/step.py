@@ -87,6 +87,8 @@ class Step(Table):
     """Emergency stop for good."""
     zero: Annotated[dict[str, Finite] | None, Field(min_length=1)] = None
     """Positions of axes, by their roles, as read off the robot; the robot needs them before it is armed."""
+    confirm: Literal[True] | None = None
+    """Confirm that each axis that needs it stands at its start position; `zero` names others."""
     home: Annotated[tuple[str, ...] | None, Field(min_length=1, strict=False)] = None
     """Let axes find their zero, by their roles, one after the other; they move."""
     pause: Annotated[bool | None, Sends(_PAUSE_CONTINUE, lambda wait, _: (0.0 if wait else 1.0,), 1)] = None

@@ -6,13 +6,24 @@ from typing import TYPE_CHECKING, Final
 from emulators.cia402 import objects as at
 from emulators.cia402.servo import Servo
 from emulators.cia402.variations import PLAIN
-from emulators.family import BuildOrder, Built, CanBus, EmulatedFamily, Plan, Station, Trait, Way
+from emulators.family import (
+    AxisDrive,
+    AxisTable,
+    BuildOrder,
+    Built,
+    CanBus,
+    EmulatedFamily,
+    Plan,
+    Station,
+    Trait,
+    Way,
+)
 from emulators.servo.axis import TICK, ServoAxis
 from emulators.servo.fmu_axes import SUPPLY, axis_needs, fmu_bank, set_motor, winding_of
 from emulators.servo.scaling import Settings
 from emulators.servo.tuning import tuned
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.families.cia402.settings import Cia402Axis, Cia402Link, Home
+from firmware_bridge.families.cia402.settings import Cia402Axis, Cia402Driver, Cia402Link, Home
 from firmware_bridge.node import CAN
 from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.units import QUADCOUNTS_PER_LINE
@@ -116,6 +127,24 @@ def _on_ports(robot: AnyRobot, given: "RobotOptions") -> "Emulation":
     return emulate_drives(robot, given)
 
 
+def _axis_table(drive: AxisDrive) -> AxisTable:
+    """Return a drive's lines; vendor and product are those of the emulated servo."""
+    milliamperes = round(1000.0 * drive.motor.continuous_current_a)
+    return AxisTable(
+        Cia402Driver.CAN.value,
+        f"""\
+device = "cia402"
+vendor_id = 0                   # 0x1018:01, as the drive has it
+product_code = 402              # 0x1018:02
+motor = "{drive.motor.title}"
+encoder_counts = {QUADCOUNTS_PER_LINE * drive.encoder_lines}
+continuous_current_ma = {milliamperes}     # 0x6075, as the drive has it
+peak_current_ma = {2 * milliamperes}
+tuned_for_kg_m2 = {drive.inertia_kg_m2:.4g}     # for the bench; the real drive is tuned by its maker's tool
+""",
+    )
+
+
 def _faults() -> "Sequence[FaultKind]":
     from emulators.cia402.fault_rows import ROWS  # noqa: PLC0415 - only who injects faults needs them
 
@@ -129,4 +158,5 @@ FAMILY: Final = EmulatedFamily(
     traits=frozenset({Trait.DRIVE, Trait.ENCODER}),
     faults=_faults,
     on_ports=_on_ports,
+    axis_table=_axis_table,
 )

@@ -13,6 +13,8 @@ from emulators.epos2.options import Epos2Options
 from emulators.epos2.presence import DeviceTypeRead
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.family import (
+    AxisDrive,
+    AxisTable,
     BridgeLink,
     BuildOrder,
     Built,
@@ -201,6 +203,12 @@ def _on_ports(robot: AnyRobot, given: "RobotOptions") -> "Emulation":
     return emulate_drives(robot, given)
 
 
+def _axis_table(drive: AxisDrive) -> AxisTable:
+    from emulators.epos2.starter.axis import axis_table  # noqa: PLC0415 - only `new` needs it
+
+    return axis_table(drive)
+
+
 def _alone_faults() -> dict[str, str]:
     from emulators.bench.faults.fault import Stations  # noqa: PLC0415 - only who injects faults needs them
     from emulators.bench.faults.table import kinds  # noqa: PLC0415 - as above
@@ -220,5 +228,6 @@ FAMILY: Final = EmulatedFamily(
     traits=frozenset({Trait.DRIVE, Trait.ENCODER}),
     alone_faults=_alone_faults,
     on_ports=_on_ports,
+    axis_table=_axis_table,
     presence=DeviceTypeRead,
 )

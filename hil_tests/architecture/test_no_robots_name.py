@@ -28,7 +28,6 @@ THEIR_OWN: Final = (
     "firmware_bridge/differential/",
     "emulators/robots/",
     "emulators/epos2/starter/",
-    "emulators/epos2/commands/new",
     "fmu/ar2/",
     "fmu/parts/",
     "fmu/climber/",

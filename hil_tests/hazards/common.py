@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from typing import Final
 
+from firmware_bridge.canopen_drive.settings import DriveLink
 from firmware_bridge.drivers.all_drivers import alone
-from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.operator_link import OperatorLink
 from firmware_bridge.robot.table import LinkTable
@@ -50,7 +50,7 @@ def _not_timestamped(robot: AnyRobot) -> str:
 
 
 def _look(robot: AnyRobot) -> str:
-    times = {link.bridge_silent_ms for link in Epos2Link.all_of(robot).values()}
+    times = {link.bridge_silent_ms for link in DriveLink.all_of(robot).values()}
     shown = " or ".join(f"{time} ms" for time in sorted(times))
     return f"another controller's frame within {shown} before the first frame is sent"
 
@@ -215,7 +215,7 @@ BESIDE: Final = (
         f"{SCENARIOS}/test_stop_stories.py::test_a_second_bridge_refuses_to_start_and_states_why",
         (),
         "it sends nothing, and exits",
-        lambda robot: bool(Epos2Link.all_of(robot)),
+        lambda robot: bool(DriveLink.all_of(robot)),
     ),
     Function(
         "station in control",

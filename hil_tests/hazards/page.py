@@ -4,8 +4,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Final, NamedTuple, TypeAlias
 
 from emulators.testing.inherited.fake_driver import cases_of
+from firmware_bridge.canopen_drive.settings import DriveLink
 from firmware_bridge.drivers.all_drivers import reports_of
-from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.families.motor_shield.settings import ShieldLink
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_type import AnyRobotType
@@ -134,7 +134,7 @@ def reaction(interlock: InterlockBase, robot: AnyRobot) -> str:
         ramps = interlock.severity is Severity.INFO
         return "the ramp takes longer; reported" if ramps else "the command is clipped; reported"
     if interlock.name == "emergency stop":
-        powered = Epos2Link.all_of(robot) or ShieldLink.all_of(robot)
+        powered = DriveLink.all_of(robot) or ShieldLink.all_of(robot)
         off = "ramp, then no power where the robot does not roll: comparable to SS1"
         return f"{off if powered else 'no further move; the motors keep their current'}; latched; disarmed"
     who = "everything stops" if interlock.stops is None else f"{' and '.join(sorted(interlock.stops))} stops"

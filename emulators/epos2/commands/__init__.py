@@ -1,15 +1,10 @@
-"""EPOS2 drives at the command line: emulated alone or for a robot, documents, a new robot of them."""
+"""EPOS2 drives at the command line: emulated alone or for a robot, documents."""
 
 from typing import Final
 
 from firmware_bridge.cli.commands import CliCommand, Row
 
 COMMANDS: Final[tuple[Row, ...]] = (
-    CliCommand(
-        "new",
-        "emulators.epos2.commands.new:new",
-        "Write a package for a new robot: robot file, rules, plant, missions; it drives at once.",
-    ),
     CliCommand(
         "emulate epos2",
         "emulators.epos2.commands.emulate:emulate",

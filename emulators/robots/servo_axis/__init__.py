@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Final, Literal, TypeAlias
 
+from pydantic import Field
+
 from emulators.bench.bench_setup import BenchSetup, Channel, StickAxes, TwistAxes
 from emulators.bench.columns import Column, Curve, Panel
 from emulators.bench.step import Finite, Holds, Positive, Presses, Sends, Slope, Step
@@ -36,8 +38,18 @@ class ServoAxisStep(Step):
     """In the axis's unit a second; at once, or with `ramp_mps2`."""
     ramp_mps2: Annotated[Positive | None, Slope("speed")] = None
     """In the axis's unit a second squared."""
+    stick: Annotated[
+        float | None,
+        Field(ge=-1, le=1),
+        Holds("speed", lambda share, robot: share * robot.geometry.limits.speed),
+    ] = None
+    """The same as a share of the speed limit; another way to give `speed_mps`."""
+    share: Annotated[
+        float | None, Field(ge=0, le=1), Sends(_ACTUATOR, lambda it, _: (2.0 * it - 1.0,), -3)
+    ] = None
+    """Go to this share of the travel, from its lowest position on."""
     position: Annotated[Finite | None, Sends(_ACTUATOR, _share, -3)] = None
-    """Go there, in the axis's unit; of an axis with travel."""
+    """Go there, in the axis's unit; another way to give `share`."""
     press: Annotated[Literal["emergency_stop"] | None, Presses(BUTTONS)] = None
     """Tap a button of the stick."""
 

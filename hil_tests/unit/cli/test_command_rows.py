@@ -10,15 +10,24 @@ import typer
 from typer.testing import CliRunner
 
 from emulators.arduino_omni.commands import COMMANDS as OF_BOARDS
+from emulators.cia402.commands import COMMANDS as OF_EMULATED_SERVOS
 from emulators.cli.commands import COMMANDS as OF_THE_SIMULATION
 from emulators.epos2.commands import COMMANDS as OF_EMULATED_DRIVES
 from emulators.motion_capture.commands import COMMANDS as OF_CAMERAS
+from emulators.robots.commands import COMMANDS as OF_NEW_ROBOTS
 from firmware_bridge.cli import commands, program
 from firmware_bridge.cli.commands import CliCommand, Group, Row
 from firmware_bridge.cli.program import COMMANDS as OWN
 from firmware_bridge.families.epos2.commands import COMMANDS as OF_DRIVES
 
-OF_FAMILIES: Final = (*OF_DRIVES, *OF_EMULATED_DRIVES, *OF_BOARDS, *OF_CAMERAS)
+OF_FAMILIES: Final = (
+    *OF_DRIVES,
+    *OF_EMULATED_DRIVES,
+    *OF_EMULATED_SERVOS,
+    *OF_NEW_ROBOTS,
+    *OF_BOARDS,
+    *OF_CAMERAS,
+)
 ROWS: Final = (*OWN, *OF_FAMILIES, *OF_THE_SIMULATION)
 EVERY: Final = {row.words: row for row in ROWS if isinstance(row, CliCommand)}
 PLAIN: Final = {"COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"}

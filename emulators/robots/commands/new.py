@@ -1,4 +1,4 @@
-"""`new`: a package for a robot of one's own, at the command line."""
+"""`new`: a robot of one's own, at the command line: a package for two wheels, a robot file for one axis."""
 
 import keyword
 import math
@@ -9,6 +9,7 @@ from typing import Annotated, Final
 
 import typer
 
+from emulators.robots.commands.axis_file import AxisOptions, write_axis
 from firmware_bridge import robot_types as installed
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import one_message, say, written_by
@@ -22,13 +23,22 @@ NODES: Final = range(1, 128)
 ENCODER_LINES: Final = range(16, 2_500_001)
 
 
-EXAMPLES: Final = """Example:
+EXAMPLES: Final = """Examples:
 
 `firmware-bridge new mouse --kind differential --nodes 1,2 --wheel-radius 0.08 --track 0.35`
 
 `pip install -e mouse`
 
-`firmware-bridge bench mouse`"""
+`firmware-bridge bench mouse`
+
+`firmware-bridge new swivel --kind axis --motor RE50 --gear 26 --inertia 0.0875 --travel -0.8,1.8`
+
+`firmware-bridge bench swivel.toml`"""
+AXIS: Final = "axis"
+DIFFERENTIAL: Final = "differential"
+ONE_NODE: Final = "1"
+TWO_NODES: Final = "1,2"
+AXIS_SPEED, AXIS_ACCELERATION = 1.0, 5.0
 
 TWO: Final = "LEFT,RIGHT"
 
@@ -41,15 +51,39 @@ def new(
         str,
         typer.Option(
             "--kind",
-            help="Type of the robot: differential.",
-            autocompletion=completing("emulators.epos2.starter.package:kinds"),
+            help="Type of the robot: differential, two wheels; or axis, one drive.",
+            autocompletion=completing("emulators.robots.commands.new:kinds"),
         ),
     ] = "differential",
-    nodes: Annotated[str, typer.Option("--nodes", metavar=TWO, help="CANopen nodes of its drives.")] = "1,2",
+    nodes: Annotated[
+        str | None,
+        typer.Option(
+            "--nodes", metavar=TWO, help="CANopen nodes of its drives.", show_default="1,2; 1 of an axis"
+        ),
+    ] = None,
     wheel_radius: Annotated[
-        float, typer.Option("--wheel-radius", metavar="M", help="Radius of the driven wheels.")
-    ],
-    track: Annotated[float, typer.Option("--track", metavar="M", help="Distance of the driven wheels.")],
+        float | None,
+        typer.Option("--wheel-radius", metavar="M", help="Differential: radius of the driven wheels."),
+    ] = None,
+    track: Annotated[
+        float | None,
+        typer.Option("--track", metavar="M", help="Differential: distance of the driven wheels."),
+    ] = None,
+    family: Annotated[
+        str, typer.Option("--family", help="Axis: family of its drive, as `families` lists it.")
+    ] = "cia402",
+    command: Annotated[
+        str, typer.Option("--command", help="Axis: position, which needs --travel, or speed.")
+    ] = "position",
+    unit: Annotated[str, typer.Option("--unit", help="Axis: rad where it turns, m where it slides.")] = "rad",
+    travel: Annotated[
+        str | None,
+        typer.Option("--travel", metavar="LOW,HIGH", help="Axis: its lowest and highest position."),
+    ] = None,
+    inertia: Annotated[
+        float | None,
+        typer.Option("--inertia", metavar="KGM2", help="Axis: of its load, behind the gear; kg of one in m."),
+    ] = None,
     axes: Annotated[str, typer.Option("--axes", metavar=TWO, help="Names of its axes.")] = "left,right",
     device: Annotated[str, typer.Option("--device", help="Type of its drives: EPOS2 ...")] = "70/10",
     motor: Annotated[
@@ -62,17 +96,29 @@ def new(
         ),
     ] = "RE40",
     gear: Annotated[
-        float, typer.Option("--gear", metavar="RATIO", help="Turns of the motor for one of the wheel.")
+        float,
+        typer.Option(
+            "--gear", metavar="RATIO", help="Turns of the motor for one of the wheel; rad for 1 of --unit."
+        ),
     ] = 43.0,
     encoder_lines: Annotated[
         int, typer.Option("--encoder-lines", help="Lines of the encoder, for one turn of the motor.")
     ] = 500,
     mass: Annotated[float, typer.Option("--mass", metavar="KG", help="Mass of the loaded robot.")] = 25.0,
     voltage: Annotated[float, typer.Option("--voltage", metavar="V", help="Voltage of its battery.")] = 24.0,
-    speed: Annotated[float, typer.Option("--speed", metavar="M/S", help="Its speed limit.")] = 0.6,
+    speed: Annotated[
+        float | None,
+        typer.Option("--speed", metavar="M/S", help="Its speed limit.", show_default="0.6; 1 of an axis"),
+    ] = None,
     acceleration: Annotated[
-        float, typer.Option("--acceleration", metavar="M/S2", help="Greatest acceleration, loaded.")
-    ] = 0.5,
+        float | None,
+        typer.Option(
+            "--acceleration",
+            metavar="M/S2",
+            help="Greatest acceleration, loaded.",
+            show_default="0.5; 5 of an axis",
+        ),
+    ] = None,
     turn_rate: Annotated[
         float, typer.Option("--turn-rate", metavar="RAD/S", help="Its turn rate limit.")
     ] = 1.2,
@@ -81,17 +127,36 @@ def new(
         typer.Option("--dir", metavar="DIR", help="Folder of the package.", show_default="NAME"),
     ] = None,
 ) -> None:
-    """Write a package for a new robot: robot file, rules, plant, missions; it drives at once.
+    """Write a new robot that drives at once: a package for two wheels, a robot file for one axis.
 
-    The gains are worked out from the motor's data and the mass. Check each number marked as assumed before
+    The gains are worked out from the motor's data and the load. Check each number marked as assumed before
     the real robot moves.
     """
     from emulators import motors
     from emulators.epos2.starter.numbers import Specification, SpecificationError
-    from emulators.epos2.starter.package import kinds, write
+    from emulators.epos2.starter.package import write
     from emulators.motors import MotorError
     from firmware_bridge.families.epos2.settings import Epos2Device
 
+    if kind == AXIS:
+        axis = AxisOptions(
+            name=name,
+            node=nodes or ONE_NODE,
+            family=family,
+            command=command,
+            unit=unit,
+            travel=travel,
+            inertia=inertia,
+            motor=motor,
+            gear=gear,
+            encoder_lines=encoder_lines,
+            voltage=voltage,
+            speed=AXIS_SPEED if speed is None else speed,
+            acceleration=AXIS_ACCELERATION if acceleration is None else acceleration,
+            folder=folder,
+        )
+        write_axis(axis)
+        return
     target = folder or Path(name)
     with one_message(SpecificationError, MotorError):
         types = [one.value for one in Epos2Device]
@@ -99,18 +164,18 @@ def new(
         specified = Specification(
             kind=_known("--kind", "kind", kind, kinds()),
             name=name,
-            nodes=_nodes(nodes),
+            nodes=_nodes(nodes or TWO_NODES),
             axes=_axes(axes),
             device=Epos2Device(_known("--device", "EPOS2", device, types)),
             motor=motors.motor(motor),
             encoder_lines=_lines(encoder_lines),
-            wheel_radius_m=_positive("--wheel-radius", wheel_radius),
-            track_m=_positive("--track", track),
+            wheel_radius_m=_positive("--wheel-radius", _needed("--wheel-radius", wheel_radius)),
+            track_m=_positive("--track", _needed("--track", track)),
             gear=_positive("--gear", gear),
             mass_kg=_positive("--mass", mass),
             voltage_v=_positive("--voltage", voltage),
-            speed_mps=_positive("--speed", speed),
-            acceleration_mps2=_positive("--acceleration", acceleration),
+            speed_mps=_positive("--speed", 0.6 if speed is None else speed),
+            acceleration_mps2=_positive("--acceleration", 0.5 if acceleration is None else acceleration),
             turn_rate_rad_s=_positive("--turn-rate", turn_rate),
         )
         with written_by("--dir"):
@@ -127,6 +192,21 @@ def new(
     say(f"{target}: {len(paths)} files; before it moves check what src/{name}/{name}.toml marks as assumed")
     say(f"next: pip install -e {target}")
     say(f"then: firmware-bridge bench {name}")
+
+
+def kinds() -> list[str]:
+    """Return the kinds of robots that can be written."""
+    from emulators.epos2.starter import package
+
+    return [AXIS, *package.kinds()]
+
+
+def _needed(option: str, value: float | None) -> float:
+    from emulators.epos2.starter.numbers import SpecificationError
+
+    if value is None:
+        raise SpecificationError(f"{option}: a robot of the kind {DIFFERENTIAL} needs it")
+    return value
 
 
 def _known(option: str, what: str, name: str, known: list[str]) -> str:

@@ -1,0 +1,97 @@
+"""`new --kind axis`: one command writes the file, the next one drives it; what is no axis is refused."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from emulators.testing.rig import VirtualRig
+from firmware_bridge.cli import program
+from firmware_bridge.robot import CommandForm
+from firmware_bridge.robot_types import find
+
+TURNS = ("--gear", "26", "--inertia", "0.0875", "--motor", "RE50")
+BETWEEN = ("--travel", "-0.8,1.8")
+SLIDES = ("--unit", "m", "--gear", "1250", "--inertia", "8", "--speed", "0.2", "--travel", "0,0.4")
+BY_SPEED = ("--command", "speed", "--speed", "5")
+
+
+def new(folder: Path, *words: str) -> tuple[int, str, Path]:
+    """Run the command in a folder; return its status, what it has printed, and the file."""
+    done = CliRunner().invoke(program, ["new", "mine", "--kind", "axis", "--dir", str(folder), *words])
+    return done.exit_code, done.output, folder / "mine.toml"
+
+
+@pytest.mark.parametrize("family", ["cia402", "epos2"])
+@pytest.mark.parametrize(
+    "words", [(*TURNS, *BETWEEN), SLIDES, (*TURNS, *BY_SPEED)], ids=["turns", "slides", "by speed"]
+)
+def test_what_is_written_drives_at_once_and_stops(tmp_path: Path, family: str, words: Sequence[str]) -> None:
+    status, printed, file = new(tmp_path, "--family", family, *words)
+    assert status == 0, printed
+    assert f"next: firmware-bridge bench {file}" in printed
+    robot = find(str(file), plant_too=True)
+    limit = robot.geometry.limits.speed
+    rig = VirtualRig(robot)
+    rig.bench.runs(4.0)
+    assert rig.operator.armed
+    rig.operator.does("jogs", stick=0.3)
+    rig.bench.runs(1.0)
+    way = rig.bench.samples[-1]["x_m"]
+    assert 0.1 * limit < way < 0.4 * limit
+    if robot.axes[0].command is CommandForm.POSITION:
+        rig.operator.does("goes", share=1.0)
+        rig.bench.runs(6.0)
+        (axis,) = robot.axes
+        assert axis.travel is not None
+        assert math.isclose(rig.bench.samples[-1]["x_m"], axis.travel[1], abs_tol=0.02 * limit)
+    rig.operator.stops()
+    rig.bench.runs(3.0)
+    # Without power the load rocks in its friction.
+    assert abs(rig.bench.samples[-1]["speed_mps"]) < 0.15 * limit
+    assert max(map(abs, rig.bench.samples.column("speed_mps"))) <= 1.1 * limit
+    assert rig.bench.guard.refused == 0
+    rig.bench.finish()
+
+
+@pytest.mark.parametrize(
+    ("words", "stated"),
+    [
+        ((), "--inertia: an axis needs it, and it must be positive"),
+        (("--inertia", "-1"), "--inertia: an axis needs it, and it must be positive"),
+        (TURNS, "--command position needs --travel: LOW,HIGH in rad"),
+        ((*TURNS, *BETWEEN, *BY_SPEED), "--command speed takes no --travel"),
+        ((*TURNS, "--travel", "1,1"), "--travel 1,1: the first must be below the second"),
+        ((*TURNS, "--travel", "1"), "--travel 1: LOW,HIGH, as -0.8,1.8"),
+        ((*TURNS, *BETWEEN, "--family", "maxon"), "--family: no 'maxon'; there are: cia402, epos2"),
+        ((*TURNS, *BETWEEN, "--family", "motor_shield"), "--family: no 'motor_shield'"),
+        ((*TURNS, *BETWEEN, "--unit", "mm"), "--unit: no 'mm'"),
+        ((*TURNS, *BETWEEN, "--nodes", "128"), "--nodes: one CANopen node, 1 to 127, not '128'"),
+        ((*TURNS, *BETWEEN, "--speed", "50"), "take a smaller --gear, or less --speed"),
+        ((*TURNS, *BETWEEN, "--motor", "no such"), "no such"),
+    ],
+)
+def test_what_is_no_axis_is_refused_and_writes_nothing(
+    tmp_path: Path, words: Sequence[str], stated: str
+) -> None:
+    status, printed, file = new(tmp_path, *words)
+    assert status
+    assert stated in printed
+    assert not file.exists()
+
+
+def test_a_file_that_is_there_is_kept(tmp_path: Path) -> None:
+    new(tmp_path, *TURNS, *BETWEEN)
+    before = (tmp_path / "mine.toml").read_text(encoding="utf-8")
+    status, printed, file = new(tmp_path, *TURNS, "--travel", "0,1")
+    assert status
+    assert "is there already" in printed
+    assert file.read_text(encoding="utf-8") == before
+
+
+def test_a_robot_of_two_wheels_still_needs_them() -> None:
+    done = CliRunner().invoke(program, ["new", "mouse"])
+    assert done.exit_code
+    assert "--wheel-radius: a robot of the kind differential needs it" in done.output
