@@ -8,6 +8,6 @@ COMMANDS: Final[tuple[Row, ...]] = (
     CliCommand(
         "emulate cia402",
         "emulators.cia402.commands.emulate:emulate",
-        "Put plain CiA 402 servos, of no maker, on a real CAN bus.",
+        "Put plain CiA 402 servos on a real CAN bus, in real time.",
     ),
 )
