@@ -4,7 +4,7 @@ Two doors: `read` and `write` for clients, with the table's access, size and ran
 device itself. It does not interpret values; the code that does installs a hook.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
@@ -39,10 +39,12 @@ class ObjectStore:
         node_id: int = 1,
         differing: Mapping[Address, int | bytes] = MappingProxyType({}),
         bounds: Mapping[Address, tuple[int, int]] = MappingProxyType({}),
+        hidden: Iterable[ObjectRow] = (),
     ) -> None:
         """Fill the store with the defaults of the device `node_id`; `differing` replaces some of them.
 
-        `bounds` replaces the dictionary's range of some objects.
+        `bounds` replaces the dictionary's range of some objects. `hidden` are numbers that the device works
+        with, and that no client has; an object of the dictionary takes the place of one.
         """
         self.node_id = node_id
         self.objects: Final = objects
@@ -61,6 +63,11 @@ class ObjectStore:
         self._sources: dict[Address, Callable[[], int]] = {}
         self._sinks: dict[Address, tuple[Callable[[int], None], ...]] = {}
         self._domains: dict[Address, Callable[[], bytes | None]] = {}
+        self._hidden: Final = {row.address: row for row in hidden if row.address not in objects}
+        for address in self._hidden:
+            default = self.default(address)
+            if isinstance(default, int):
+                self._numbers[address] = default
         for row in objects.values():
             default = self.default(row.address)
             if isinstance(default, bytes):
@@ -170,12 +177,15 @@ class ObjectStore:
     def default(self, address: Address) -> int | bytes:
         """Return an object's default in this device."""
         given = self._differing.get(address)
-        return self.objects[address].default_for(self.node_id) if given is None else given
+        if given is not None:
+            return given
+        return (self._hidden.get(address) or self.objects[address]).default_for(self.node_id)
 
     def numbers(self) -> Iterator[tuple[ObjectRow, int]]:
         """Give every object that holds a number, with its stored value, in the order of the addresses."""
         for address, value in self._numbers.items():
-            yield self.objects[address], value
+            if address in self.objects:
+                yield self.objects[address], value
 
     def load_default(self, address: Address) -> None:
         """Bring a number back to its default without hooks."""

@@ -8,11 +8,17 @@ from pathlib import Path
 from typing import Final
 
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.data_type import Access, DataType
 from firmware_bridge.canopen.object_row import ObjectRow
 
 _OBJECT: Final = re.compile(r"(?i)([0-9a-f]{4})(?:sub([0-9a-f]{1,2}))?")
 _NODE: Final = re.compile(r"(?i)\$nodeid\s*\+?\s*")
 _MOST: Final = 8
+_VARIABLES: Final = (2, 7)
+"""Object types of CiA 306 with a value of their own: a domain, a variable."""
+_TYPES: Final = {kind.code: kind for kind in DataType} | {1: DataType.UNSIGNED8, 0xA: DataType.DOMAIN}
+"""By their codes; a boolean has a byte over SDO, and octets are as many as there are."""
+_ACCESSES: Final = {access.value: access for access in Access} | {"rwr": Access.RW}
 
 
 class SheetError(Exception):
@@ -36,6 +42,61 @@ def configured(file: Path, rows: Mapping[Address, ObjectRow]) -> SheetValues:
 def defaults(file: Path, rows: Mapping[Address, ObjectRow]) -> SheetValues:
     """Return each `DefaultValue` of an EDS of an object in these rows; SheetError."""
     return _read(file, rows, "defaultvalue", "no DefaultValue of an object that is known is in it")
+
+
+def objects(file: Path) -> tuple[ObjectRow, ...]:
+    """Return the objects that an EDS describes, whatever they are; SheetError.
+
+    Objects of a type without a size of its own in CiA 301's basic table (times, floats) are left out.
+    """
+    sections = _sections(file)
+    found: list[ObjectRow] = []
+    problems: list[str] = []
+    for address, section in _objects(sections):
+        given = sections[section]
+        if int(given.get("objecttype", "7"), 0) not in _VARIABLES:
+            continue
+        kind = _TYPES.get(int(given.get("datatype", "0"), 0))
+        access = _ACCESSES.get(given.get("accesstype", "").strip().lower())
+        if access is None:
+            problems.append(f"[{section}] AccessType '{given.get('accesstype', '')}' is none")
+        if kind is None or access is None:
+            continue
+        try:
+            found.append(_row(address, given, kind, access))
+        except ValueError:
+            problems.append(f"[{section}] a number cannot be read")
+    if not found and not problems:
+        problems.append("it describes no object; is it an EDS?")
+    if problems:
+        raise SheetError(f"{file}: {'; '.join(problems[:_MOST])}")
+    return tuple(found)
+
+
+def _row(address: Address, given: Mapping[str, str], kind: DataType, access: Access) -> ObjectRow:
+    text = given.get("defaultvalue", "").strip()
+    default: int | bytes
+    default = text.encode("latin-1") if not kind.size else _in_type(kind, text)
+    bounds = [given.get(key, "").strip() for key in ("lowlimit", "highlimit")]
+    low, high = (_in_type(kind, bound) if bound and kind.size else None for bound in bounds)
+    return ObjectRow(
+        address,
+        given.get("parametername", ""),
+        kind,
+        access,
+        int(given.get("pdomapping", "0") or "0", 0) == 1,
+        default,
+        low,
+        high,
+        node_added=bool(_NODE.search(text)),
+        source="its EDS",
+    )
+
+
+def _in_type(kind: DataType, text: str) -> int:
+    value = _number(text, 0)
+    # Data sheets write negative numbers as hexadecimal digits of the register.
+    return value - (1 << kind.bits) if kind.lowest < 0 and value > kind.highest else value
 
 
 def _read(file: Path, rows: Mapping[Address, ObjectRow], key: str, nothing: str) -> SheetValues:

@@ -10,4 +10,9 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "emulators.cia402.commands.emulate:emulate",
         "Put plain CiA 402 servos on a real CAN bus, in real time.",
     ),
+    CliCommand(
+        "emulate canopen",
+        "emulators.cia402.commands.canopen:emulate",
+        "Put devices on a real CAN bus as their EDS describes them, in real time.",
+    ),
 )
