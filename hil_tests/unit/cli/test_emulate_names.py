@@ -18,7 +18,7 @@ def refused(*words: str) -> str:
 def test_a_word_that_is_neither_lists_families_and_robots() -> None:
     message = refused("nosuch", "-i", "socketcan")
     assert "emulate nosuch: no such family or robot" in message
-    assert "the families ar2, board, capture, cia402, epos2" in message
+    assert "the families ar2, board, canopen, capture, cia402, epos2" in message
     assert "rars, rome" in message
 
 
