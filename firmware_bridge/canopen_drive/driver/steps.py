@@ -44,7 +44,7 @@ class _Expected:
     def __call__(self, outcome: Outcome) -> Script:
         row = self.row
         if isinstance(outcome, SdoError):
-            raise StartupError(self.axis, f"{outcome} (expected {row.expected})") from outcome
+            raise StartupError(self.axis, f"{outcome} (expected {row.expected}){row.hint}") from outcome
         if not row.has(outcome):
             problem = f"SDO upload {row.address} gave {row.show(outcome)} (expected {row.expected}){row.hint}"
             raise StartupError(self.axis, problem)
@@ -76,6 +76,35 @@ class _Taken:
         if isinstance(outcome, SdoError):
             raise StartupError(self.axis, f"{outcome} ({self.doing})") from outcome
         return ()
+
+
+@dataclass(frozen=True, slots=True)
+class _TakenIfThere:
+    """Passes over an object that the drive has not got; one that it took is read back by the row."""
+
+    axis: Axis
+    row: SetupObject
+    doing: str
+
+    def __call__(self, outcome: Outcome) -> Script:
+        if isinstance(outcome, SdoRefusedError) and outcome.code in ABSENT:
+            return ()
+        _Taken(self.axis, self.doing)(outcome)
+        return (expected(self.axis, self.row),) if self.row.read_back else ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Awaited:
+    """Reads again until the object has the row's value; so many reads are left, this one included."""
+
+    axis: Axis
+    row: SetupObject
+    reads: int
+
+    def __call__(self, outcome: Outcome) -> Script:
+        if self.reads > 1 and not isinstance(outcome, SdoError) and not self.row.has(outcome):
+            return (pause(POLL), _awaited(self.axis, self.row, self.reads - 1))
+        return _Expected(self.axis, self.row)(outcome)
 
 
 def expected(axis: Axis, row: SetupObject, attempts: int = 2) -> Ask:
@@ -112,28 +141,14 @@ def set_up(axis: Axis, row: SetupObject) -> Script:
         return (_awaited(axis, row, row.awaited // POLL),)
     write = Transfer(row.address, row.raw)
     doing = f"writing {row.expected}{row.hint}"
-    if not row.optional:
-        # A write that was acknowledged may still be clipped or ignored.
-        return (written(axis, write, doing), *((expected(axis, row),) if row.read_back else ()))
-
-    def judge(outcome: Outcome) -> Script:
-        if isinstance(outcome, SdoRefusedError) and outcome.code in ABSENT:
-            return ()
-        _Taken(axis, doing)(outcome)
-        return (expected(axis, row),) if row.read_back else ()
-
-    return (Ask(write, judge),)
+    if row.optional:
+        return (Ask(write, _TakenIfThere(axis, row, doing)),)
+    # A write that was acknowledged may still be clipped or ignored.
+    return (written(axis, write, doing), *((expected(axis, row),) if row.read_back else ()))
 
 
-def _awaited(axis: Axis, row: SetupObject, polls: int) -> Ask:
-    """Read an object until it has the row's value; so many polls are left."""
-
-    def judge(outcome: Outcome) -> Script:
-        if polls > 1 and not isinstance(outcome, SdoError) and not row.has(outcome):
-            return (pause(POLL), _awaited(axis, row, polls - 1))
-        return _Expected(axis, row)(outcome)
-
-    return Ask(Transfer(row.address), judge)
+def _awaited(axis: Axis, row: SetupObject, reads: int) -> Ask:
+    return Ask(Transfer(row.address), _Awaited(axis, row, reads))
 
 
 def pause(duration: Nanoseconds) -> Until:

@@ -7,9 +7,10 @@ from firmware_bridge.canopen_drive import check as drives
 from firmware_bridge.families.cia402.settings import Cia402Driver
 from firmware_bridge.robot import Problem, raw
 from firmware_bridge.robot.raw import Raw
+from firmware_bridge.robot.zero import METHODS
 
-STANDARD: Final = range(1, 38)
-"""Homing methods of CiA 402; below 0 they are a maker's own."""
+STANDARD: Final = tuple(method for method in METHODS if method > 0)
+"""Homing methods of CiA 402 that a robot file may name; below 0 they are a maker's own."""
 
 
 def check(table: Raw) -> Iterator[Problem]:
@@ -21,8 +22,8 @@ def check(table: Raw) -> Iterator[Problem]:
         homing = raw.within(raw.within(axis, "zero"), "homing")
         method, offset = homing.get("method"), homing.get("offset")
         if isinstance(method, int) and method not in STANDARD:
-            known = "1, 2, 7, 11, 17, 18, 23, 27, 33 and 34"
-            problem = f"{method} is a method of maxon's EPOS; of CiA 402 there are {known}"
+            known = ", ".join(map(str, STANDARD[:-1]))
+            problem = f"{method} is a method of maxon's EPOS; of CiA 402 there are {known} and {STANDARD[-1]}"
             yield Problem(f"axes[{index}].zero.homing.method", problem)
         if isinstance(offset, int | float) and offset:
             problem = f"{offset:g}: a CiA 402 drive stays where it has found its reference; leave it out"

@@ -10,6 +10,8 @@ from firmware_bridge.robot.table import Name, Positive, SettingsTable, Unsigned3
 
 BOOT_MS: Final = 3_000
 """Longest time of a drive's start; the slowest one known takes 1.5 s."""
+MOST_PER_MILLE: Final = 0xFFFF
+"""Of the rated current: 0x6073, the current limit, is UNSIGNED16 (CiA 402-2)."""
 
 
 class Cia402Driver(StrEnum):
@@ -65,6 +67,13 @@ class Cia402Axis(DriveAxis):
     def _the_current_is_one(self) -> Self:
         if self.current_object not in {0x6077, 0x6078}:
             raise ValueError(f"current_object = 0x{self.current_object:04X}: must be 0x6077 or 0x6078")
+        return self
+
+    @model_validator(mode="after")
+    def _its_peak_fits_its_object(self) -> Self:
+        if self.peak_current_ma * 1000 // self.continuous_current_ma > MOST_PER_MILLE:
+            most = self.continuous_current_ma * MOST_PER_MILLE // 1000
+            raise ValueError(f"peak_current_ma = {self.peak_current_ma}: 0x6073 holds {most} mA at most")
         return self
 
     @model_validator(mode="after")

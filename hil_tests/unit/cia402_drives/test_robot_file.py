@@ -45,6 +45,10 @@ def homed(method: int, more: str = "") -> tuple[str, str]:
             "axes[2].settings: current_object = 0x6079: must be 0x6077 or 0x6078",
         ),
         (
+            ("peak_current_ma = 3_000", "peak_current_ma = 100_000"),
+            "axes[2].settings: peak_current_ma = 100000: 0x6073 holds 78642 mA at most",
+        ),
+        (
             ("node = 3\n", "node = 3\nspeed_units_per_rpm = 1e-6\n"),
             "axes[2].settings: speed_units_per_rpm = 1e-06: a ramp is below 1 unit",
         ),

@@ -41,13 +41,17 @@ U32: Final = DataType.UNSIGNED32
 REPORTS: Final = frozenset(Reports) - {Reports.ZERO}
 """No bit of the Statusword reports that a drive has been referenced; its restart is seen."""
 QUICK_STOP_THEN_OFF: Final = 2
+"""0x605A: the quick-stop ramp, then Switch On Disabled (CiA 402-2)."""
 IN_PLACE: Final = 37
+"""0x6098: the current position is home (CiA 402-2)."""
 PROFILE: Final = 0xFFFF
 """The bits of 0x1000 that name the profile; the others are the kind of drive."""
 PER_MILLE: Final = 1000
 MILLIAMPERES: Final = 1000.0
 STANDSTILL_RPM: Final = 5
+"""A shaft below it stands still (assumed): above the noise of a speed made from encoder edges."""
 LONGEST_PERIOD_MS: Final = 255
+"""0x60C2:01 is UNSIGNED8; its unit is 1 ms by the default of 0x60C2:02, -3 (CiA 402-2)."""
 CONTROLWORD_GAP: Final[Nanoseconds] = 2 * MILLISECOND
 """Some drives do not see a Controlword less than 1 ms after the one before."""
 MODE_HINT: Final = (
@@ -55,6 +59,7 @@ MODE_HINT: Final = (
     "no-mode-while-halted)"
 )
 BOOT_POLLS: Final = 40
+"""Reads of 0x1000 after a reset until a drive is absent (assumed): above the 1.5 s of the slowest known."""
 MODE_WITHIN: Final[Nanoseconds] = 10 * SECOND
 """One drive known synchronizes for 5 s before it is in a mode."""
 OPTIONAL: Final = frozenset(
