@@ -128,6 +128,23 @@ def test_an_axis_by_speed_turns_as_fast_as_it_is_commanded_and_not_faster(
 
 
 @FAMILIES
+def test_an_axis_by_speed_stops_at_its_ends_and_goes_to_no_position(
+    rigs: list[VirtualRig], family: tuple[tuple[str, str], ...]
+) -> None:
+    rig = ready(rigs, *family, BY_SPEED[0])
+    for speed, end in ((1.9, 1.8), (-1.9, -0.8)):
+        rig.operator.drives(speed)
+        rig.bench.runs(4.0)
+        assert "travel limit" in rig.interlock_events
+        assert rig.bench.samples[-1]["x_m"] == pytest.approx(end, abs=0.05)
+        assert abs(rig.bench.samples[-1]["speed_mps"]) < RATTLES
+    rig.operator.does("goes", position=1.0)
+    rig.bench.runs(2.0)
+    assert rig.bench.samples[-1]["x_m"] == pytest.approx(-0.8, abs=0.05)
+    within(rig)
+
+
+@FAMILIES
 def test_it_is_homed_to_a_switch(rigs: list[VirtualRig], family: tuple[tuple[str, str], ...]) -> None:
     homed = (
         r'how = "confirm" .*\n',

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from typing import Final, TypeAlias
 
+from firmware_bridge.robot import CommandForm
 from firmware_bridge.robots.servo_axis.geometry import AxisGeometry
 from firmware_bridge.robots.servo_axis.kinematics import AXIS
 from firmware_bridge.robots.servo_axis.motion import AxisMotion, AxisState
@@ -19,6 +20,8 @@ Limit: TypeAlias = interlock.Limit[AxisGeometry, AxisMotion, AxisState]
 CLEARS_AFTER: Final[Nanoseconds] = 300 * MILLISECOND
 OUTSIDE: Final = 0.02
 """Share of its travel beyond an end at which the axis is where no command put it."""
+LAG_S: Final = 0.2
+"""Time from a lower set-point to an axis that slows down (assumed): above the 0.15 s of a regulator's lag."""
 TOLERANCE: Final = 1e-4
 """Share of the speed limit by which the ramp may shorten a step without a report."""
 
@@ -69,12 +72,34 @@ def slowed(view: View, share: float) -> tuple[AxisMotion, str | None]:
     return AxisMotion(speed, motion.target), reason
 
 
+def _stops_within(distance: float, acceleration: float) -> float:
+    """Return the highest speed from which the axis stops within a distance, after the lag of its drive."""
+    lag = LAG_S * acceleration
+    return math.sqrt(lag * lag + 2.0 * acceleration * distance) - lag if distance > 0.0 else 0.0
+
+
+def _travel_by_speed(view: View) -> tuple[AxisMotion, str | None]:
+    """Clip the speed so that the axis stops at its end."""
+    motion, axis, position = view.allowed, view.robot.axis(AXIS), view.body.position
+    if motion.target is not None:
+        return AxisMotion(), "an axis that is commanded by speed goes to no position"
+    if axis.travel is None or position is None:
+        return motion, None
+    low, high = axis.travel
+    left = high - position if motion.speed > 0.0 else position - low
+    speed, reason = bounded(
+        motion.speed, _stops_within(left, view.geometry.limits.acceleration), f"{axis.unit}/s"
+    )
+    return AxisMotion(speed), reason
+
+
 def _travel(view: View) -> tuple[AxisMotion, str | None]:
     """Clip a target to the travel, and let no speed lead further out than its end."""
     motion, axis = view.allowed, view.robot.axis(AXIS)
-    if axis.travel is None:
-        return motion, None
-    low, high = axis.travel
+    if axis.command is CommandForm.SPEED:
+        return _travel_by_speed(view)
+    # The robot file gives every axis by position its travel.
+    low, high = axis.travel or (-math.inf, math.inf)
     if motion.target is not None:
         target = min(max(motion.target, low), high)
         if target == motion.target:
