@@ -169,6 +169,7 @@ def test_the_friction_that_it_writes_is_more_than_its_plant_has_and_less_than_a_
         (("mickey", "--voltage", "70.5"), "--voltage 70.5: an EPOS2 70/10 takes 70 V at most: take another"),
         (("mickey", "--gear", "200"), "take a smaller --gear, or less --speed"),
         (("mickey", "--encoder-lines", "1"), "--encoder-lines must be 16 to"),
+        (("mickey", "--travel", "0,1"), "--travel: a robot of the kind differential takes no such option"),
         (("mickey", "--dir", "."), "is there already; take another --dir"),
     ],
 )

@@ -59,8 +59,8 @@ def test_what_is_written_drives_at_once_and_stops(tmp_path: Path, family: str, w
 @pytest.mark.parametrize(
     ("words", "stated"),
     [
-        ((), "--inertia: an axis needs it, and it must be positive"),
-        (("--inertia", "-1"), "--inertia: an axis needs it, and it must be positive"),
+        ((), "--inertia: a robot of the kind axis needs it"),
+        ((*BETWEEN, "--inertia", "-1"), "--inertia must be positive, not -1"),
         (TURNS, "--command position needs --travel: LOW,HIGH in rad"),
         ((*TURNS, *BETWEEN, *BY_SPEED), "--command speed takes no --travel"),
         ((*TURNS, "--travel", "1,1"), "--travel 1,1: the first must be below the second"),
@@ -71,6 +71,7 @@ def test_what_is_written_drives_at_once_and_stops(tmp_path: Path, family: str, w
         ((*TURNS, *BETWEEN, "--nodes", "128"), "--nodes: one CANopen node, 1 to 127, not '128'"),
         ((*TURNS, *BETWEEN, "--speed", "50"), "take a smaller --gear, or less --speed"),
         ((*TURNS, *BETWEEN, "--motor", "no such"), "no such"),
+        ((*TURNS, *BETWEEN, "--mass", "3"), "--mass: a robot of the kind axis takes no such option"),
     ],
 )
 def test_what_is_no_axis_is_refused_and_writes_nothing(

@@ -8,6 +8,7 @@ from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.starter.tuning import velocity_gains
 from emulators.motors import Motor
 from emulators.servo.tuning import VELOCITY_P
+from emulators.specification import SpecificationError
 from firmware_bridge.canopen_drive.settings import BRUSHED, SINUSOIDAL
 from firmware_bridge.families.epos2.settings import Epos2Device
 from firmware_bridge.families.epos2.wire.hardware import too_fast
@@ -32,10 +33,6 @@ FRICTION_MARGIN: Final = 1.15
 GRAVITY: Final = 9.81
 INPUT_V: Final = 5.0
 """Full scale of the drive's analog input."""
-
-
-class SpecificationError(Exception):
-    """A specification that makes no robot: one message."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,8 @@ from pathlib import Path
 from string import Template
 from typing import Final
 
-from emulators.epos2.starter.numbers import Specification, SpecificationError, worked_out
+from emulators.epos2.starter.numbers import Specification, worked_out
+from emulators.specification import SpecificationError
 
 TEMPLATES: Final = "templates"
 SUFFIX: Final = ".template"

@@ -8,6 +8,6 @@ COMMANDS: Final[tuple[Row, ...]] = (
     CliCommand(
         "new",
         "emulators.robots.commands.new:new",
-        "Write a new robot that drives at once: a package for two wheels, a robot file for one axis.",
+        "Write a new robot that drives at once: a package for two wheels, else a robot file.",
     ),
 )

@@ -1,27 +1,21 @@
-"""`new`: a robot of one's own, at the command line: a package for two wheels, a robot file for one axis."""
+"""`new`: a robot of one's own, at the command line: a package for two wheels, a robot file for other kinds.
 
-import keyword
-import math
-import re
-from importlib.util import find_spec
+A kind is a class of options with their defaults, which writes what it makes of them.
+"""
+
+from collections.abc import Mapping
+from dataclasses import MISSING, asdict, dataclass, fields
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import typer
 
-from emulators.robots.commands.axis_file import AxisOptions, write_axis
-from firmware_bridge import robot_types as installed
+from emulators.robots.commands.axis_file import AxisOptions
+from emulators.robots.commands.differential_package import DifferentialOptions
+from emulators.robots.commands.kind_options import KindOptions
+from emulators.robots.commands.omni_file import OmniOptions
 from firmware_bridge.cli.commands import command, completing
-from firmware_bridge.cli.console import one_message, say, written_by
-
-NAME: Final = re.compile(r"[a-z][a-z0-9_]{0,19}")
-
-WHEELS: Final = 2
-
-NODES: Final = range(1, 128)
-
-ENCODER_LINES: Final = range(16, 2_500_001)
-
+from firmware_bridge.cli.console import one_message
 
 EXAMPLES: Final = """Examples:
 
@@ -31,257 +25,135 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge bench mouse`
 
-`firmware-bridge new swivel --kind axis --motor RE50 --gear 26 --inertia 0.0875 --travel -0.8,1.8`
+`firmware-bridge new swivel --kind axis --motor RE50 --gear 26 --inertia 0.0875 --travel=-0.8,1.8`
 
-`firmware-bridge bench swivel.toml`"""
-AXIS: Final = "axis"
-DIFFERENTIAL: Final = "differential"
-ONE_NODE: Final = "1"
-TWO_NODES: Final = "1,2"
-AXIS_SPEED, AXIS_ACCELERATION = 1.0, 5.0
+`firmware-bridge new tray --kind omni --wheel-radius 0.05 --wheel-distance 0.16`
 
+`firmware-bridge bench tray.toml`"""
 TWO: Final = "LEFT,RIGHT"
+DIFFERENTIAL: Final = "differential"
 
 
-@command(EXAMPLES)
-def new(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the robot, its package and its type.")],
-    *,
-    kind: Annotated[
-        str,
-        typer.Option(
-            "--kind",
-            help="Type of the robot: differential, two wheels; or axis, one drive.",
-            autocompletion=completing("emulators.robots.commands.new:kinds"),
-        ),
-    ] = "differential",
-    nodes: Annotated[
-        str | None,
-        typer.Option(
-            "--nodes", metavar=TWO, help="CANopen nodes of its drives.", show_default="1,2; 1 of an axis"
-        ),
-    ] = None,
-    wheel_radius: Annotated[
-        float | None,
-        typer.Option("--wheel-radius", metavar="M", help="Differential: radius of the driven wheels."),
-    ] = None,
-    track: Annotated[
-        float | None,
-        typer.Option("--track", metavar="M", help="Differential: distance of the driven wheels."),
-    ] = None,
-    family: Annotated[
-        str, typer.Option("--family", help="Axis: family of its drive, as `families` lists it.")
-    ] = "cia402",
-    command: Annotated[
-        str, typer.Option("--command", help="Axis: position, which needs --travel, or speed.")
-    ] = "position",
-    unit: Annotated[str, typer.Option("--unit", help="Axis: rad where it turns, m where it slides.")] = "rad",
-    travel: Annotated[
-        str | None,
-        typer.Option("--travel", metavar="LOW,HIGH", help="Axis: its lowest and highest position."),
-    ] = None,
-    inertia: Annotated[
-        float | None,
-        typer.Option("--inertia", metavar="KGM2", help="Axis: of its load, behind the gear; kg of one in m."),
-    ] = None,
-    axes: Annotated[str, typer.Option("--axes", metavar=TWO, help="Names of its axes.")] = "left,right",
-    device: Annotated[str, typer.Option("--device", help="Type of its drives: EPOS2 ...")] = "70/10",
-    motor: Annotated[
-        str,
-        typer.Option(
-            "--motor",
-            metavar="NAME|FILE",
-            help="RE25, RE40, RE50; one of maxon's by order number or a part of its name; or a .toml file.",
-            autocompletion=completing("emulators.motors:names"),
-        ),
-    ] = "RE40",
-    gear: Annotated[
-        float,
-        typer.Option(
-            "--gear", metavar="RATIO", help="Turns of the motor for one of the wheel; rad for 1 of --unit."
-        ),
-    ] = 43.0,
-    encoder_lines: Annotated[
-        int, typer.Option("--encoder-lines", help="Lines of the encoder, for one turn of the motor.")
-    ] = 500,
-    mass: Annotated[float, typer.Option("--mass", metavar="KG", help="Mass of the loaded robot.")] = 25.0,
-    voltage: Annotated[float, typer.Option("--voltage", metavar="V", help="Voltage of its battery.")] = 24.0,
-    speed: Annotated[
-        float | None,
-        typer.Option("--speed", metavar="M/S", help="Its speed limit.", show_default="0.6; 1 of an axis"),
-    ] = None,
-    acceleration: Annotated[
-        float | None,
-        typer.Option(
-            "--acceleration",
-            metavar="M/S2",
-            help="Greatest acceleration, loaded.",
-            show_default="0.5; 5 of an axis",
-        ),
-    ] = None,
-    turn_rate: Annotated[
-        float, typer.Option("--turn-rate", metavar="RAD/S", help="Its turn rate limit.")
-    ] = 1.2,
-    folder: Annotated[
-        Path | None,
-        typer.Option("--dir", metavar="DIR", help="Folder of the package.", show_default="NAME"),
-    ] = None,
-) -> None:
-    """Write a new robot that drives at once: a package for two wheels, a robot file for one axis.
-
-    The gains are worked out from the motor's data and the load. Check each number marked as assumed before
-    the real robot moves.
-    """
-    from emulators import motors
-    from emulators.epos2.starter.numbers import Specification, SpecificationError
-    from emulators.epos2.starter.package import write
-    from emulators.motors import MotorError
-    from firmware_bridge.families.epos2.settings import Epos2Device
-
-    if kind == AXIS:
-        axis = AxisOptions(
-            name=name,
-            node=nodes or ONE_NODE,
-            family=family,
-            command=command,
-            unit=unit,
-            travel=travel,
-            inertia=inertia,
-            motor=motor,
-            gear=gear,
-            encoder_lines=encoder_lines,
-            voltage=voltage,
-            speed=AXIS_SPEED if speed is None else speed,
-            acceleration=AXIS_ACCELERATION if acceleration is None else acceleration,
-            folder=folder,
-        )
-        write_axis(axis)
-        return
-    target = folder or Path(name)
-    with one_message(SpecificationError, MotorError):
-        types = [one.value for one in Epos2Device]
-        _free(name)
-        specified = Specification(
-            kind=_known("--kind", "kind", kind, kinds()),
-            name=name,
-            nodes=_nodes(nodes or TWO_NODES),
-            axes=_axes(axes),
-            device=Epos2Device(_known("--device", "EPOS2", device, types)),
-            motor=motors.motor(motor),
-            encoder_lines=_lines(encoder_lines),
-            wheel_radius_m=_positive("--wheel-radius", _needed("--wheel-radius", wheel_radius)),
-            track_m=_positive("--track", _needed("--track", track)),
-            gear=_positive("--gear", gear),
-            mass_kg=_positive("--mass", mass),
-            voltage_v=_positive("--voltage", voltage),
-            speed_mps=_positive("--speed", 0.6 if speed is None else speed),
-            acceleration_mps2=_positive("--acceleration", 0.5 if acceleration is None else acceleration),
-            turn_rate_rad_s=_positive("--turn-rate", turn_rate),
-        )
-        with written_by("--dir"):
-            paths = write(specified, target)
-    given, wanted = specified.device.continuous_ma / 1000.0, specified.motor.continuous_current_a
-    # The robot file keeps within the drive: the motor could bear more.
-    if wanted > given:
-        say(f"the motor's {wanted:g} A are more than an EPOS2 {device} gives: {given:g} A are written")
-    if specified.motor.kind == "ec" and specified.motor.pole_pairs is None:
-        say(
-            f"no source states the pole pairs of {specified.motor.title}: set 0x6410:3 in EPOS Studio, or "
-            f"write pole_pairs beside motor_type in src/{name}/{name}.toml"
-        )
-    say(f"{target}: {len(paths)} files; before it moves check what src/{name}/{name}.toml marks as assumed")
-    say(f"next: pip install -e {target}")
-    say(f"then: firmware-bridge bench {name}")
+KINDS: Final[Mapping[str, type[KindOptions]]] = {
+    DIFFERENTIAL: DifferentialOptions,
+    "axis": AxisOptions,
+    "omni": OmniOptions,
+}
 
 
 def kinds() -> list[str]:
     """Return the kinds of robots that can be written."""
-    from emulators.epos2.starter import package
-
-    return [AXIS, *package.kinds()]
+    return list(KINDS)
 
 
-def _needed(option: str, value: float | None) -> float:
-    from emulators.epos2.starter.numbers import SpecificationError
-
-    if value is None:
-        raise SpecificationError(f"{option}: a robot of the kind {DIFFERENTIAL} needs it")
-    return value
-
-
-def _known(option: str, what: str, name: str, known: list[str]) -> str:
-    from emulators.epos2.starter.numbers import SpecificationError
-    from firmware_bridge.robot.problems import near
-
-    if name not in known:
-        raise SpecificationError(f"{option}: no {what} '{name}'; {near(name, known)}")
-    return name
+def _defaults(key: str) -> str | bool:
+    """Return an option's default in each kind that takes it, as help shows it; False without any."""
+    shown = {}
+    for kind, options in KINDS.items():
+        for one in fields(options):
+            if one.name == key:
+                shown[kind] = "needed" if one.default is MISSING else f"{one.default}"
+    if len(shown) == len(KINDS) and len(set(shown.values())) == 1:
+        return next(iter(shown.values()))
+    return ", ".join(f"{kind}: {value}" for kind, value in shown.items() if value != "None") or False
 
 
-def _positive(option: str, value: float) -> float:
-    from emulators.epos2.starter.numbers import SpecificationError
-
-    if not 0.0 < value < math.inf:
-        raise SpecificationError(f"{option} must be positive, not {value:g}")
-    return value
+def _spelled(key: str) -> str:
+    return f"--{key.replace('_', '-')}"
 
 
-def _lines(encoder_lines: int) -> int:
-    from emulators.epos2.starter.numbers import SpecificationError
-
-    if encoder_lines not in ENCODER_LINES:
-        raise SpecificationError(f"--encoder-lines must be 16 to 2500000, not {encoder_lines}")
-    return encoder_lines
+def _option(key: str, help: str, **more: Any) -> Any:  # noqa: A002 - typer's own word
+    return typer.Option(_spelled(key), help=help, show_default=_defaults(key), **more)
 
 
-def _nodes(words: str) -> tuple[int, int]:
-    from emulators.epos2.starter.numbers import SpecificationError
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NewOptions:
+    """Write a new robot that drives at once: a package for two wheels, else a robot file.
 
-    left, right = _two("--nodes", words)
-    for node in (left, right):
-        if not node.isdecimal() or int(node) not in NODES:
-            raise SpecificationError(f"--nodes: a CANopen node is a number from 1 to 127, not '{node}'")
-    return int(left), int(right)
+    The gains are worked out from the motor's data and the load. Check each number marked as assumed before
+    the real robot moves.
+    """
+
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the robot, its package and its type.")]
+    kind: Annotated[
+        str,
+        typer.Option(
+            help="differential: two wheels; axis: one drive; omni: three wheels on a board.",
+            autocompletion=completing("emulators.robots.commands.new:kinds"),
+        ),
+    ] = DIFFERENTIAL
+    nodes: Annotated[str | None, _option("nodes", "CANopen nodes of its drives.", metavar=TWO)] = None
+    wheel_radius: Annotated[
+        float | None, _option("wheel_radius", "Radius of the driven wheels.", metavar="M")
+    ] = None
+    track: Annotated[float | None, _option("track", "Distance of the driven wheels.", metavar="M")] = None
+    wheel_distance: Annotated[
+        float | None, _option("wheel_distance", "From a wheel to the middle.", metavar="M")
+    ] = None
+    family: Annotated[str | None, _option("family", "Family of its drive, as `families` lists it.")] = None
+    protocol: Annotated[
+        str | None, _option("protocol", "Firmware of its board, as docs/fidelity-arduino.md has them.")
+    ] = None
+    command: Annotated[str | None, _option("command", "position, which needs --travel, or speed.")] = None
+    unit: Annotated[str | None, _option("unit", "rad where it turns, m where it slides.")] = None
+    travel: Annotated[
+        str | None, _option("travel", "Lowest and highest position of an axis.", metavar="LOW,HIGH")
+    ] = None
+    inertia: Annotated[
+        float | None, _option("inertia", "Of its load, behind the gear; kg of one in m.", metavar="KGM2")
+    ] = None
+    axes: Annotated[str | None, _option("axes", "Names of its axes.", metavar=TWO)] = None
+    device: Annotated[str | None, _option("device", "Type of its drives: EPOS2 ...")] = None
+    motor: Annotated[
+        str | None,
+        _option(
+            "motor",
+            "RE25, RE40, RE50; one of maxon's by order number or a part of its name; or a .toml file.",
+            metavar="NAME|FILE",
+            autocompletion=completing("emulators.motors:names"),
+        ),
+    ] = None
+    gear: Annotated[
+        float | None,
+        _option("gear", "Turns of the motor for one of the wheel; rad for 1 of --unit.", metavar="RATIO"),
+    ] = None
+    encoder_lines: Annotated[
+        int | None, _option("encoder_lines", "Lines of the encoder, for one turn of the motor.")
+    ] = None
+    mass: Annotated[float | None, _option("mass", "Mass of the loaded robot.", metavar="KG")] = None
+    voltage: Annotated[float | None, _option("voltage", "Voltage of its battery.", metavar="V")] = None
+    speed: Annotated[
+        float | None, _option("speed", "Its speed limit; of an axis in its unit.", metavar="M/S")
+    ] = None
+    acceleration: Annotated[
+        float | None, _option("acceleration", "Greatest acceleration, loaded.", metavar="M/S2")
+    ] = None
+    turn_rate: Annotated[float | None, _option("turn_rate", "Its turn rate limit.", metavar="RAD/S")] = None
+    folder: Annotated[
+        Path | None,
+        typer.Option(
+            "--dir", metavar="DIR", help="Folder of the package or file.", show_default="NAME, or here"
+        ),
+    ] = None
 
 
-def _axes(words: str) -> tuple[str, str]:
-    named = _two("--axes", words)
-    for axis in named:
-        _usable("--axes", axis)
-    return named
+def write(given: NewOptions) -> None:
+    """Write the robot of these options; an error ends the program with a message."""
+    from emulators.motors import MotorError
+    from emulators.specification import SpecificationError, one_of, usable
+    from firmware_bridge.robot import RobotFileError
+
+    with one_message(SpecificationError, MotorError, RobotFileError):
+        usable("NAME", given.name)
+        kind = one_of("--kind", "kind ", given.kind, kinds())
+        words = {key: value for key, value in asdict(given).items() if value is not None and key != "kind"}
+        known = {one.name: one.default for one in fields(KINDS[kind])}
+        for key in words.keys() - known.keys():
+            raise SpecificationError(f"{_spelled(key)}: a robot of the kind {kind} takes no such option")
+        for key, default in known.items():
+            if default is MISSING and key not in words:
+                raise SpecificationError(f"{_spelled(key)}: a robot of the kind {kind} needs it")
+        KINDS[kind](**words).write()
 
 
-def _free(name: str) -> None:
-    """Refuse a name that Python, or an installed package, has already."""
-    from emulators.epos2.starter.numbers import SpecificationError
-    from fmu import plants
-
-    _usable("NAME", name)
-    if name in installed.names():
-        raise SpecificationError(f"NAME: the robot '{name}' is installed already; take another name")
-    if name in plants.names():
-        raise SpecificationError(f"NAME: the plant '{name}' is installed already; take another name")
-    # A package of that name would hide the other one, or be hidden by it.
-    if find_spec(name) is not None:
-        raise SpecificationError(f"NAME: there is a Python package '{name}' already; take another name")
-
-
-def _usable(option: str, name: str) -> None:
-    from emulators.epos2.starter.numbers import SpecificationError
-
-    if NAME.fullmatch(name) is None or keyword.iskeyword(name):
-        raise SpecificationError(
-            f"{option}: '{name}' is no name: small letters, digits and _, a letter first, at most 20"
-        )
-
-
-def _two(option: str, words: str) -> tuple[str, str]:
-    """Return the left and the right word."""
-    from emulators.epos2.starter.numbers import SpecificationError
-
-    found = [word.strip() for word in words.split(",")]
-    if len(found) != WHEELS:
-        raise SpecificationError(f"{option}: two with a comma between, left and right, not '{words}'")
-    if found[0] == found[1]:
-        raise SpecificationError(f"{option}: '{found[0]}' stands twice; each wheel has its own")
-    return found[0], found[1]
+new: Final = command(EXAMPLES, work=write)(NewOptions)

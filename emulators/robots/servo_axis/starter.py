@@ -10,6 +10,7 @@ from typing import Final
 
 from emulators.family import AxisDrive, EmulatedFamily
 from emulators.motors import Motor
+from emulators.specification import SpecificationError
 
 RPM: Final = 60.0 / math.tau
 USABLE_SPEED: Final = 0.85
@@ -26,10 +27,6 @@ STOPS: Final = 0.1
 """Share of the travel from its ends to the plant's stops."""
 FRICTION_MARGIN: Final = 2.0
 """Ratio of the current that friction may take to the motor's without load."""
-
-
-class SpecificationError(Exception):
-    """A specification that makes no axis: one message."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
