@@ -8,7 +8,6 @@ servo's, too (assumed): such a file names what may be set, and the drive comes f
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
-from emulators.canopen.object_store import ObjectStore
 from emulators.canopen.product import LayerSetting, Product
 from emulators.canopen.saved_parameters import Volatile
 from emulators.canopen.slave import CanopenSlave
@@ -16,6 +15,7 @@ from emulators.cia402 import objects as at
 from emulators.cia402.errors import EMERGENCIES
 from emulators.cia402.motion_control import MotionControl
 from emulators.cia402.servo import BIT_RATES
+from emulators.cia402.servo_objects import ServoObjects
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
@@ -35,7 +35,8 @@ DEVICE: Final = LayerSetting(
 )
 """Below all objects of a dictionary: the EDS does not name where a device keeps them."""
 NEVER_ZERO: Final = frozenset(
-    {0x6072, 0x6073, 0x6075, 0x6076, 0x607F, 0x6080, 0x6081, 0x6083, 0x6084, 0x6085, 0x6099, 0x609A, 0x60C5}
+    {0x6072, 0x6073, 0x6075, 0x6076, 0x607F, 0x6080, 0x6081, 0x6083, 0x6084, 0x6085, 0x608F, 0x6091, 0x6092}
+    | {0x6099, 0x609A, 0x60C5}
 )
 """Limits, ratings and ramps with which 0 no motor would turn."""
 NOT_SAVED: Final = frozenset({0x1003, 0x1010, 0x1011, 0x6040, 0x6060, 0x6071, 0x607A, 0x60FF})
@@ -101,7 +102,7 @@ class DeviceOfEds(CanopenSlave):
             for address, row in servo.items()
             if address.index in NEVER_ZERO and address in known and not known[address].default
         }
-        store = ObjectStore(known, node_id, better, hidden=(*layer, *servo.values()))
+        store = ServoObjects(known, node_id, better, hidden=(*layer, *servo.values()))
         motion: Application = MotionControl(store, axis, self.report) if is_drive(rows) else Nothing()
         product = Product(
             name="a device by its EDS",

@@ -66,7 +66,7 @@ def _built(order: BuildOrder, plant: FmuPlant, _leads: bool) -> Built:  # noqa: 
     robot = order.robot
     axes = _axes(robot)
     _are_possible(robot)
-    servos = [ServoAxis(axis.name, Cia402Axis.of(axis).encoder_counts) for axis in axes]
+    servos = [ServoAxis(axis.name, _edges(Cia402Axis.of(axis))) for axis in axes]
     for servo in servos:
         set_motor(plant, servo)
     bank = fmu_bank(plant, servos, plant.output_names.index(SUPPLY), None, _turned(robot))
@@ -88,6 +88,12 @@ def _built(order: BuildOrder, plant: FmuPlant, _leads: bool) -> Built:  # noqa: 
     return Built(stations, bank)
 
 
+def _edges(settings: Cia402Axis) -> int:
+    """Return the edges of the encoder in one turn of the motor."""
+    factors = settings.factors
+    return settings.encoder_counts if factors is None else factors.encoder_counts // factors.encoder_turns
+
+
 def _tuning(plant: FmuPlant, axis: Axis) -> Settings:
     constant, resistance, inductance = winding_of(plant, axis.name)
     return tuned(
@@ -105,10 +111,11 @@ def _are_possible(robot: AnyRobot) -> None:
         if axis.link not in Cia402Link.all_of(robot):
             continue
         settings, key = Cia402Axis.of(axis), f"axes[{index}].settings"
-        counts, units = settings.encoder_counts, settings.speed_units_per_rpm
+        counts, units = _edges(settings), settings.speed_units_per_rpm
         if counts % QUADCOUNTS_PER_LINE or counts > MOST_COUNTS:
             problem = f"{counts}: the emulated encoder has a multiple of 4, up to {MOST_COUNTS}"
-            problems.append(Problem(f"{key}.encoder_counts", problem))
+            of = "" if settings.factors is None else "factors."
+            problems.append(Problem(f"{key}.{of}encoder_counts", problem))
         if units != 1.0:
             problem = f"{units:g}: the emulated servo has its speeds in rpm"
             problems.append(Problem(f"{key}.speed_units_per_rpm", problem))

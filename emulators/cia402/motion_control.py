@@ -11,6 +11,7 @@ from emulators.cia402 import errors
 from emulators.cia402 import objects as at
 from emulators.cia402.cyclic import PER_MILLE, CyclicMode, CyclicPosition, CyclicTorque, CyclicVelocity
 from emulators.cia402.inputs import ServoInputs
+from emulators.cia402.servo_objects import FACTORS
 from emulators.cia402.variations import PLAIN, Traits
 from emulators.drive.brake import Brake
 from emulators.drive.device_control import DeviceControl
@@ -146,6 +147,8 @@ class MotionControl:
         """Time of the newest controlword that was seen."""
         self._mode_due: Nanoseconds = NEVER
         """Time at which a mode that was written is taken."""
+        self._factor_written = False
+        """A factor of the positions was written since the settings were taken."""
         self._acknowledged = False
         """Bit 12 as it is after enabling."""
         self._hook()
@@ -180,6 +183,9 @@ class MotionControl:
     def refresh(self, now: Nanoseconds) -> None:
         """Take in what the axis found, what the time brought, and what a whole PDO has written."""
         self._axis.now = max(self._axis.now, now)
+        if self._factor_written:
+            self._load_settings()
+            configure(self._axis, self._settings)
         self._control.attend()
         self._follow_error()
         if self._axis.now >= self._mode_due:
@@ -197,9 +203,8 @@ class MotionControl:
         self._apart_since = self._mode_due = NEVER
         self._period_written = self._acknowledged = False
         self._commanded_at = self._axis.now - self._traits.controlword_gap
-        for address, name in SETTINGS.items():
-            setattr(self._settings, name, self._store.get(address))
-        self._settings.encoder_pulses = self._store.get(at.ENCODER_COUNTS) // QUADCOUNTS_PER_LINE
+        self._settings.encoder_pulses = self._axis.encoder_resolution // QUADCOUNTS_PER_LINE
+        self._load_settings()
         self._limit_current({})
         self._inputs.reset()
         self._modes.restart(self._store.get(od.MODE))
@@ -207,6 +212,11 @@ class MotionControl:
         self._store.set(at.ERROR_CODE, 0)
         self._control.restart()
         self._publish()
+
+    def _load_settings(self) -> None:
+        self._factor_written = False
+        for address, name in SETTINGS.items():
+            setattr(self._settings, name, self._store.get(address))
 
     def _abort_connection(self, code: int) -> None:
         option = self._store.get(od.ABORT_CONNECTION_OPTION)
@@ -250,6 +260,7 @@ class MotionControl:
         store, axis = self._store, self._axis
         for address, value in (
             (od.POSITION_DEMAND, self._position_demand),
+            (at.POSITION_INTERNAL, lambda: axis.position),
             (od.POSITION_ACTUAL, lambda: axis.position),
             (at.FOLLOWING_ERROR, lambda: self._position_demand() - axis.position),
             (od.VELOCITY_DEMAND, lambda: speed_rpm(axis, axis.velocity_demand) if axis.powered else 0),
@@ -271,6 +282,8 @@ class MotionControl:
         store.on_write(od.HOMING_METHOD, self._check_method)
         for address in HEEDED:
             store.on_write(address, partial(self._take_value, address))
+        for address in FACTORS:
+            store.on_write(address, self._take_factor)
 
     def _position_demand(self) -> int:
         axis = self._axis
@@ -332,6 +345,11 @@ class MotionControl:
         self._modes.change(number, enabled=self._power.free)
         self._store.set(od.MODE_DISPLAY, number)
         self._publish()
+
+    def _take_factor(self, _value: int) -> None:
+        if self._power.state is PowerState.OPERATION_ENABLED:
+            raise SdoAbort(AbortCode.DEVICE_STATE)
+        self._factor_written = True
 
     def _take_period(self, _value: int) -> None:
         self._period_written = True

@@ -46,7 +46,7 @@ RATED_CURRENT: Final = Address(0x6075)
 TORQUE_ACTUAL: Final = Address(0x6077)
 SUPPLY: Final = Address(0x6079)
 MAX_MOTOR_SPEED: Final = Address(0x6080)
-ENCODER_COUNTS: Final = Address(0x608F, 1)
+POSITION_INTERNAL: Final = Address(0x6063)
 POSITION_OFFSET: Final = Address(0x60B0)
 VELOCITY_OFFSET: Final = Address(0x60B1)
 TORQUE_OFFSET: Final = Address(0x60B2)
@@ -207,6 +207,10 @@ def _pdos() -> Iterator[ObjectRow]:
                 yield _row(index, sub, f"Mapping of {name} ({sub})", _U32, _RW, default=word, source=CIA_301)
 
 
+def _factor(index: int, sub: int, name: str, default: int = 1) -> ObjectRow:
+    return _row(index, sub, name, _U32, _RW, default=default, low=1)
+
+
 _PROFILE: Final = (
     _row(0x6007, 0, "Abort Connection Option Code", _I16, _RW, default=1, low=0, high=3),
     _row(0x603F, 0, "Error Code", _U16, _RO, mapped=True),
@@ -219,11 +223,12 @@ _PROFILE: Final = (
     _row(0x605E, 0, "Fault Reaction Option Code", _I16, _RW, default=2, low=0, high=2),
     _row(0x6060, 0, "Modes of Operation", _I8, _RWW, mapped=True),
     _row(0x6061, 0, "Modes of Operation Display", _I8, _RO, mapped=True),
-    _row(0x6062, 0, "Position Demand Value", _I32, _RO, mapped=True, unit="counts"),
-    _row(0x6064, 0, "Position Actual Value", _I32, _RO, mapped=True, unit="counts"),
-    _row(0x6065, 0, "Following Error Window", _U32, _RW, default=2000, unit="counts", own=True),
+    _row(0x6062, 0, "Position Demand Value", _I32, _RO, mapped=True, unit="position units"),
+    _row(0x6063, 0, "Position Actual Internal Value", _I32, _RO, mapped=True, unit="counts"),
+    _row(0x6064, 0, "Position Actual Value", _I32, _RO, mapped=True, unit="position units"),
+    _row(0x6065, 0, "Following Error Window", _U32, _RW, default=2000, unit="position units", own=True),
     _row(0x6066, 0, "Following Error Time Out", _U16, _RW, default=0, unit="ms"),
-    _row(0x6067, 0, "Position Window", _U32, _RW, default=OFF, unit="counts", own=True),
+    _row(0x6067, 0, "Position Window", _U32, _RW, default=OFF, unit="position units", own=True),
     _row(0x6068, 0, "Position Window Time", _U16, _RW, default=0, unit="ms", own=True),
     _row(0x606B, 0, "Velocity Demand Value", _I32, _RO, mapped=True, unit="rpm"),
     _row(0x606C, 0, "Velocity Actual Value", _I32, _RO, mapped=True, unit="rpm"),
@@ -240,11 +245,11 @@ _PROFILE: Final = (
     _row(0x6077, 0, "Torque Actual Value", _I16, _RO, mapped=True, unit="1/1000"),
     _row(0x6078, 0, "Current Actual Value", _I16, _RO, mapped=True, unit="1/1000"),
     _row(0x6079, 0, "DC Link Circuit Voltage", _U32, _RO, mapped=True, unit="mV"),
-    _row(0x607A, 0, "Target Position", _I32, _RWW, mapped=True, unit="counts"),
-    _row(0x607C, 0, "Home Offset", _I32, _RW, unit="counts"),
+    _row(0x607A, 0, "Target Position", _I32, _RWW, mapped=True, unit="position units"),
+    _row(0x607C, 0, "Home Offset", _I32, _RW, unit="position units"),
     _count(0x607D, 2, "Software Position Limit", CIA_402),
-    _row(0x607D, 1, "Min Position Limit", _I32, _RW, default=LOWEST, unit="counts"),
-    _row(0x607D, 2, "Max Position Limit", _I32, _RW, default=HIGHEST, unit="counts"),
+    _row(0x607D, 1, "Min Position Limit", _I32, _RW, default=LOWEST, unit="position units"),
+    _row(0x607D, 2, "Max Position Limit", _I32, _RW, default=HIGHEST, unit="position units"),
     _row(0x607F, 0, "Max Profile Velocity", _U32, _RW, default=5000, unit="rpm", own=True),
     _row(0x6080, 0, "Max Motor Speed", _U32, _RW, default=5000, unit="rpm", own=True),
     _row(0x6081, 0, "Profile Velocity", _U32, _RWW, default=1000, mapped=True, unit="rpm", low=1, own=True),
@@ -287,25 +292,25 @@ _PROFILE: Final = (
     ),
     _row(0x6086, 0, "Motion Profile Type", _I16, _RW, default=0, low=0, high=1),
     _count(0x608F, 2, "Position Encoder Resolution", CIA_402),
-    _row(0x608F, 2, "Motor Revolutions", _U32, _CONST, default=1),
+    _factor(0x608F, 2, "Motor Revolutions"),
     _count(0x6091, 2, "Gear Ratio", CIA_402),
-    _row(0x6091, 1, "Motor Revolutions", _U32, _CONST, default=1),
-    _row(0x6091, 2, "Shaft Revolutions", _U32, _CONST, default=1),
+    _factor(0x6091, 1, "Motor Revolutions"),
+    _factor(0x6091, 2, "Shaft Revolutions"),
     _count(0x6092, 2, "Feed Constant", CIA_402),
-    _row(0x6092, 2, "Shaft Revolutions", _U32, _CONST, default=1),
+    _factor(0x6092, 2, "Shaft Revolutions"),
     _row(0x6098, 0, "Homing Method", _I8, _RW),
     _count(0x6099, 2, "Homing Speeds", CIA_402),
     _row(0x6099, 1, "Speed for Switch Search", _U32, _RW, default=100, unit="rpm", own=True),
     _row(0x6099, 2, "Speed for Zero Search", _U32, _RW, default=10, unit="rpm", own=True),
     _row(0x609A, 0, "Homing Acceleration", _U32, _RW, default=1000, unit="rpm/s", low=1, own=True),
-    _row(0x60B0, 0, "Position Offset", _I32, _RWW, mapped=True, unit="counts"),
+    _row(0x60B0, 0, "Position Offset", _I32, _RWW, mapped=True, unit="position units"),
     _row(0x60B1, 0, "Velocity Offset", _I32, _RWW, mapped=True, unit="rpm"),
     _row(0x60B2, 0, "Torque Offset", _I16, _RWW, mapped=True, unit="1/1000"),
     _count(0x60C2, 2, "Interpolation Time Period", CIA_402),
     _row(0x60C2, 1, "Interpolation Time Period Value", _U8, _RW, default=1, low=1),
     _row(0x60C2, 2, "Interpolation Time Index", _I8, _RW, default=-3, low=-6, high=0),
     _row(0x60C5, 0, "Max Acceleration", _U32, _RW, default=1_000_000, unit="rpm/s", low=1, own=True),
-    _row(0x60F4, 0, "Following Error Actual Value", _I32, _RO, mapped=True, unit="counts"),
+    _row(0x60F4, 0, "Following Error Actual Value", _I32, _RO, mapped=True, unit="position units"),
     _row(0x60FD, 0, "Digital Inputs", _U32, _RO, mapped=True),
     _count(0x60FE, 2, "Digital Outputs", CIA_402),
     _row(0x60FE, 1, "Physical Outputs", _U32, _RWW, mapped=True),
@@ -317,9 +322,9 @@ _PROFILE: Final = (
 
 
 def _encoder(counts: int) -> Iterator[ObjectRow]:
-    # One unit of position is a count: the factors of the profile are 1.
-    yield _row(0x608F, 1, "Encoder Counts", _U32, _CONST, default=counts)
-    yield _row(0x6092, 1, "Feed", _U32, _CONST, default=counts)
+    # As it comes, one unit of position is a count.
+    yield _factor(0x608F, 1, "Encoder Counts", counts)
+    yield _factor(0x6092, 1, "Feed", counts)
 
 
 def _own() -> Iterator[ObjectRow]:

@@ -6,13 +6,13 @@ from types import MappingProxyType
 from typing import Final
 
 from emulators.canopen.identity import FIRST_NUMBER
-from emulators.canopen.object_store import ObjectStore
 from emulators.canopen.product import LayerSetting, Product
 from emulators.canopen.saved_parameters import Storage, Volatile
 from emulators.canopen.slave import CanopenSlave
 from emulators.cia402 import objects as at
 from emulators.cia402.errors import EMERGENCIES
 from emulators.cia402.motion_control import MotionControl
+from emulators.cia402.servo_objects import ServoObjects
 from emulators.cia402.variations import PLAIN, Traits
 from emulators.servo.axis import ServoAxis
 from emulators.servo.scaling import Settings
@@ -89,7 +89,7 @@ class Servo(CanopenSlave):
         """
         rates = {rate: code for code, rate in BIT_RATES.items()}
         own_rate = {} if self._rate is None else {at.BIT_RATE: rates[self._rate]}
-        store = ObjectStore(
+        store = ServoObjects(
             at.objects_of(self._axis.encoder_resolution, traits.absent),
             self._number or FIRST_NUMBER,
             {**self._commissioned, **own_rate},

@@ -1,12 +1,12 @@
 """CiA 402 drives in a robot file: their CAN bus, one drive, the supply that it measures."""
 
 from enum import StrEnum
-from typing import Annotated, ClassVar, Final, Self
+from typing import Annotated, ClassVar, Final, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
 from firmware_bridge.canopen_drive.settings import DriveAxis, DriveLink, StopTimes
-from firmware_bridge.robot.table import Name, Positive, SettingsTable, Unsigned32
+from firmware_bridge.robot.table import Name, Positive, SettingsTable, Table, Unsigned32
 
 BOOT_MS: Final = 3_000
 """Longest time of a drive's start; the slowest one known takes 1.5 s."""
@@ -42,6 +42,26 @@ class Home(StrEnum):
     """0x607C."""
 
 
+Factor: TypeAlias = Annotated[int, Field(ge=1, le=0xFFFF_FFFF)]
+
+
+class PositionFactors(Table):
+    """Factors of a drive's positions (CiA 402-2), which the set-up writes and reads back."""
+
+    encoder_counts: Factor
+    """0x608F:01, edges of the encoder in `encoder_turns`."""
+    encoder_turns: Factor = 1
+    """0x608F:02, turns of the motor's shaft."""
+    gear_motor_turns: Factor = 1
+    """0x6091:01, turns of the motor's shaft for `gear_shaft_turns`."""
+    gear_shaft_turns: Factor = 1
+    """0x6091:02, turns of the driving shaft."""
+    feed: Factor
+    """0x6092:01, units of position in `feed_turns`."""
+    feed_turns: Factor = 1
+    """0x6092:02, turns of the driving shaft."""
+
+
 class Cia402Axis(DriveAxis):
     """One drive, its motor and its encoder; its maker's tool has commissioned and tuned it."""
 
@@ -52,6 +72,8 @@ class Cia402Axis(DriveAxis):
     motor: str
     encoder_counts: Annotated[int, Field(ge=16, le=0x7FFF_FFFF)]
     """Units of 0x6064 in one turn of the motor's shaft: edges of the encoder, where nothing scales them."""
+    factors: PositionFactors | None = None
+    """What scales the positions; None: what the drive has, which has to give `encoder_counts`."""
     speed_units_per_rpm: Positive = 1.0
     """Units of 0x606C for 1 rpm of the motor, and of 0x6083 for 1 rpm/s."""
     continuous_current_ma: Annotated[int, Field(ge=1, le=0xFFFF_FFFF)]
@@ -74,6 +96,20 @@ class Cia402Axis(DriveAxis):
         if self.peak_current_ma * 1000 // self.continuous_current_ma > MOST_PER_MILLE:
             most = self.continuous_current_ma * MOST_PER_MILLE // 1000
             raise ValueError(f"peak_current_ma = {self.peak_current_ma}: 0x6073 holds {most} mA at most")
+        return self
+
+    @model_validator(mode="after")
+    def _its_factors_give_its_counts(self) -> Self:
+        factors = self.factors
+        if factors is None:
+            return self
+        units = factors.feed * factors.gear_shaft_turns
+        turns = factors.feed_turns * factors.gear_motor_turns
+        if units != self.encoder_counts * turns:
+            raise ValueError(
+                f"encoder_counts = {self.encoder_counts}: by factors a turn of the motor has "
+                f"{units / turns:g} units of position"
+            )
         return self
 
     @model_validator(mode="after")

@@ -13,6 +13,17 @@ MAX_CURRENT: Final = Address(0x6073)
 RATED_CURRENT: Final = Address(0x6075)
 SUPPLY: Final = Address(0x6079)
 MAX_MOTOR_SPEED: Final = Address(0x6080)
+FACTORS: Final[Mapping[Address, str]] = MappingProxyType(
+    {
+        Address(0x608F, 1): "encoder_counts",
+        Address(0x608F, 2): "encoder_turns",
+        Address(0x6091, 1): "gear_motor_turns",
+        Address(0x6091, 2): "gear_shaft_turns",
+        Address(0x6092, 1): "feed",
+        Address(0x6092, 2): "feed_turns",
+    }
+)
+"""Of the positions, by their keys in a robot file."""
 PERIOD: Final = Address(0x60C2, 1)
 CAUSES: Final[Mapping[int, str]] = MappingProxyType(
     {

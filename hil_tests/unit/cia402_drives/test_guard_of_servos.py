@@ -77,6 +77,14 @@ def test_what_is_refused_and_why(text: str, why: str) -> None:
     assert can_rules(ROBOT, LINK).refuses(frame(text), 0) == why
 
 
+def test_factors_are_written_as_the_robot_file_has_them_and_not_at_all_without() -> None:
+    scaled = rars(("node = 3\n", "node = 3\nfactors = { encoder_counts = 500, feed = 2_000 }\n"))
+    feed, other = frame("603#23926001D0070000"), frame("603#23926001D1070000")
+    assert can_rules(ROBOT, LINK).refuses(feed, 0) == "0x6092:01 is not an object that may be written"
+    assert can_rules(scaled, LINK).refuses(feed, 0) is None
+    assert can_rules(scaled, LINK).refuses(other, 0) == "0x6092:01 set to 2001, allowed is 2000"
+
+
 @pytest.mark.parametrize("axis", ROBOT.axes, ids=lambda axis: axis.name)
 def test_each_row_of_the_set_up_passes(axis: Axis) -> None:
     rules = can_rules(ROBOT, LINK)

@@ -53,6 +53,14 @@ def homed(method: int, more: str = "") -> tuple[str, str]:
             "axes[2].settings: speed_units_per_rpm = 1e-06: a ramp is below 1 unit",
         ),
         (
+            ("node = 3\n", "node = 3\nfactors = { encoder_counts = 2_000, feed = 3_600 }\n"),
+            "axes[2].settings: encoder_counts = 2000: by factors a turn of the motor has 3600 units of",
+        ),
+        (
+            ("node = 3\n", "node = 3\nfactors = { encoder_counts = 2_000, feed = 0 }\n"),
+            "axes[2].settings.factors.feed",
+        ),
+        (
             ('measures = "supply"', "input = 1, per_volt = 6.0"),
             "sensors[0]",
         ),

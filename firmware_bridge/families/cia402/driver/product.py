@@ -27,7 +27,14 @@ from firmware_bridge.canopen_drive.driver.setup import (
 from firmware_bridge.canopen_drive.driver.setup_object import SetupObject
 from firmware_bridge.drivers.driver import Reports
 from firmware_bridge.families.cia402.settings import Cia402Axis, Cia402Link, Home
-from firmware_bridge.families.cia402.wire import CAUSES, MAX_CURRENT, MAX_MOTOR_SPEED, PERIOD, RATED_CURRENT
+from firmware_bridge.families.cia402.wire import (
+    CAUSES,
+    FACTORS,
+    MAX_CURRENT,
+    MAX_MOTOR_SPEED,
+    PERIOD,
+    RATED_CURRENT,
+)
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
@@ -135,6 +142,18 @@ def _period(cycle_ms: int) -> Iterator[SetupObject]:
 def _commissioned(axis: Axis) -> Iterator[SetupObject]:
     settings, profile = Cia402Axis.of(axis), Cia402Axis.of(axis).profile
     protects = "protects the motor and people near it"
+    if settings.factors is not None:
+        # Before all positions, which are in their unit.
+        for address, key in FACTORS.items():
+            yield SetupObject(
+                address,
+                U32,
+                getattr(settings.factors, key),
+                f"factor {key}",
+                "positions are in its unit",
+                read_back=True,
+                hint="; where the drive has it fixed, leave factors out",
+            )
     most, top = in_units(axis, profile.max_velocity_rpm), settings.peak_current_ma * PER_MILLE
     for address, kind, value, name, why in (
         (MAX_CURRENT, U16, top // settings.continuous_current_ma, "current limit", protects),

@@ -16,7 +16,7 @@ from firmware_bridge.canopen_drive.guard.product import GuardedProduct
 from firmware_bridge.canopen_drive.guard.values import Values, exactly, within
 from firmware_bridge.canopen_drive.guard.zeroing import only, searched
 from firmware_bridge.families.cia402.settings import Cia402Axis, Home
-from firmware_bridge.families.cia402.wire import MAX_CURRENT, MAX_MOTOR_SPEED, PERIOD
+from firmware_bridge.families.cia402.wire import FACTORS, MAX_CURRENT, MAX_MOTOR_SPEED, PERIOD
 from firmware_bridge.robot import AnyRobot, Axis
 
 I16: Final = DataType.INTEGER16
@@ -72,7 +72,13 @@ def _sign(axis: Axis) -> int:
 def _writes(axis: Axis) -> Mapping[Address, Values]:
     settings = Cia402Axis.of(axis)
     share = settings.peak_current_ma / settings.continuous_current_ma
+    factors = (
+        {}
+        if settings.factors is None
+        else {address: exactly(U32, getattr(settings.factors, key)) for address, key in FACTORS.items()}
+    )
     return {
+        **factors,
         MAX_CURRENT: within(U16, 0, int(share * 1000)),
         MAX_MOTOR_SPEED: within(U32, 1, units(axis).speed(settings.profile.max_velocity_rpm)),
         od.QUICK_STOP_OPTION: exactly(I16, QUICK_STOP_THEN_OFF),
