@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 from emulators.canopen.product import LayerSetting, Product
-from emulators.canopen.saved_parameters import Volatile
+from emulators.canopen.saved_parameters import Storage, Volatile
 from emulators.canopen.slave import CanopenSlave
 from emulators.cia402 import objects as at
 from emulators.cia402.errors import EMERGENCIES
@@ -34,6 +34,7 @@ DEVICE: Final = LayerSetting(
     bit_rates=BIT_RATES,
 )
 """Below all objects of a dictionary: the EDS does not name where a device keeps them."""
+PRODUCT_NAME: Final = "device by its EDS"
 NEVER_ZERO: Final = frozenset(
     {0x6072, 0x6073, 0x6075, 0x6076, 0x607F, 0x6080, 0x6081, 0x6083, 0x6084, 0x6085, 0x608F, 0x6091, 0x6092}
     | {0x6099, 0x609A, 0x60C5}
@@ -83,9 +84,15 @@ class DeviceOfEds(CanopenSlave):
     """One device; its node number is that of its switch."""
 
     def __init__(
-        self, node_id: int, rows: Sequence[ObjectRow], axis: ServoAxis, *, bus_rate: int | None = None
+        self,
+        node_id: int,
+        rows: Sequence[ObjectRow],
+        axis: ServoAxis,
+        *,
+        storage: Storage | None = None,
+        bus_rate: int | None = None,
     ) -> None:
-        """Take its objects; `axis` is the motor of a drive."""
+        """Take its objects; `axis` is the motor of a drive, `storage` keeps saved parameters."""
         servo = at.objects_of(axis.encoder_resolution)
         codes = {rate: code for code, rate in BIT_RATES.items()}
         layer = [
@@ -105,9 +112,9 @@ class DeviceOfEds(CanopenSlave):
         store = ServoObjects(known, node_id, better, hidden=(*layer, *servo.values()))
         motion: Application = MotionControl(store, axis, self.report) if is_drive(rows) else Nothing()
         product = Product(
-            name="a device by its EDS",
+            name=PRODUCT_NAME,
             layer_setting=DEVICE,
             is_parameter=_is_parameter,
             emergencies=EMERGENCIES,
         )
-        super().__init__(node_id, store, product, motion, storage=Volatile(), bus_rate=bus_rate)
+        super().__init__(node_id, store, product, motion, storage=storage or Volatile(), bus_rate=bus_rate)

@@ -18,6 +18,7 @@ from emulators.family import (
     Trait,
     Way,
 )
+from emulators.parameter_files import Storages
 from emulators.servo.axis import TICK, ServoAxis
 from emulators.servo.fmu_axes import SUPPLY, axis_needs, fmu_bank, set_motor, winding_of
 from emulators.servo.scaling import Settings
@@ -71,6 +72,8 @@ def _built(order: BuildOrder, plant: FmuPlant, _leads: bool) -> Built:  # noqa: 
         set_motor(plant, servo)
     bank = fmu_bank(plant, servos, plant.output_names.index(SUPPLY), None, _turned(robot))
     stations: dict[str, Station] = {}
+    kept = order.option(Storages)
+    storages = {} if kept is None else kept.by_axis
     for axis, servo in zip(axes, servos, strict=True):
         settings = Cia402Axis.of(axis)
         drive = Servo(
@@ -83,6 +86,7 @@ def _built(order: BuildOrder, plant: FmuPlant, _leads: bool) -> Built:  # noqa: 
                 od.PRODUCT_CODE: settings.product_code,
                 at.RATED_CURRENT: settings.continuous_current_ma,
             },
+            storage=storages.get(axis.name),
         )
         stations[axis.name] = Station(drive, axis.link, {CAN: Way.BUS})
     return Built(stations, bank)

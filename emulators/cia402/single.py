@@ -1,30 +1,30 @@
-"""Servos without a robot, each with a motor and a load of its own."""
+"""Devices without a robot, each with a motor and a load of its own."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
-from emulators.cia402.servo import Servo
-from emulators.cia402.variations import PLAIN, Traits
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import SUPPLY_MV, DcMotor, DcMotors
 from emulators.servo.winding import set_winding
 
+_T = TypeVar("_T")
 
-def servos(
+
+def with_motors(
     nodes: Sequence[int],
+    made: Callable[[int, ServoAxis], _T],
     motor: DcMotor,
-    traits: Traits = PLAIN,
     *,
     counts: int,
     supply_mv: int = SUPPLY_MV,
-    bus_rate: int | None = None,
-) -> tuple[dict[str, Servo], ServoBank]:
-    """Build the servos by their names, and what moves them: motors with encoders of so many counts a turn."""
-    axes = [ServoAxis(f"servo{node}", counts, supply_mv=supply_mv) for node in nodes]
+) -> tuple[dict[str, _T], ServoBank]:
+    """Make a device of each node number and its motor's axis; return them by name, and what moves them.
+
+    `counts` are the edges of an encoder in one turn.
+    """
+    axes = [ServoAxis(f"node{node}", counts, supply_mv=supply_mv) for node in nodes]
     for axis in axes:
         set_winding(axis, motor.torque_constant, motor.resistance, motor.inductance)
-    made = {
-        axis.name: Servo(node, axis, traits, bus_rate=bus_rate)
-        for axis, node in zip(axes, nodes, strict=True)
-    }
-    return made, ServoBank(DcMotors((motor,) * len(axes)), axes)
+    devices = {axis.name: made(node, axis) for axis, node in zip(axes, nodes, strict=True)}
+    return devices, ServoBank(DcMotors((motor,) * len(axes)), axes)

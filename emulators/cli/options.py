@@ -53,8 +53,3 @@ def plant_file(plant: str) -> Path:
     if not is_built(plant):
         say(f"building the plant {plant}, once")
     return ensure(plant)
-
-
-def parameter_file(folder: Path, node: int) -> Path:
-    """Return the file in which a node's drive keeps its parameters."""
-    return folder / f"node-{node}.json"

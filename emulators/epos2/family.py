@@ -30,6 +30,7 @@ from emulators.family import (
     Trait,
     Way,
 )
+from emulators.parameter_files import Storages
 from emulators.servo.axis import TICK, ServoAxis
 from emulators.servo.fmu_axes import SUPPLY, axis_needs, fmu_bank, set_motor
 from emulators.servo.pins import SWITCHES, input_lines
@@ -65,6 +66,8 @@ def _built(order: BuildOrder, plant: FmuPlant, _leads: bool) -> Built:  # noqa: 
         one.mount(servo)
         set_motor(plant, servo)
     bank = fmu_bank(plant, servos, plant.output_names.index(SUPPLY), _supply_input(robot), _turned(robot))
+    kept = order.option(Storages)
+    storages = {} if kept is None else kept.by_axis
     serial = options.serial
     if serial is None:
         serial = _served(robot) if order.on_lines else {}
@@ -72,7 +75,7 @@ def _built(order: BuildOrder, plant: FmuPlant, _leads: bool) -> Built:  # noqa: 
     for axis, servo, one in zip(axes, servos, mounted, strict=True):
         name, node = axis.name, Epos2Axis.of(axis).node
         profile = _profile(axis, realistic_latency=order.realistic_latency)
-        storage = options.storages.get(name)
+        storage = storages.get(name)
         if name in serial:
             drive: Epos2 = SerialEpos2(node, servo, profile, generation=serial[name], storage=storage)
         else:

@@ -1,11 +1,13 @@
 """Options of a robot's emulated drives."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from types import MappingProxyType
+from dataclasses import dataclass
+from typing import Final
 
-from emulators.canopen.saved_parameters import Storage
 from firmware_bridge.families.epos2.maxon.frame import Generation
+
+PRODUCT: Final = "EPOS2"
+"""Name in the files of saved parameters: those of all types are alike."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -17,5 +19,3 @@ class Epos2Options:
 
     Without it those of the robot file.
     """
-    storages: Mapping[str, Storage] = field(default_factory=lambda: MappingProxyType({}))
-    """Saved parameters by axis; a drive without comes from the factory, and forgets."""

@@ -9,12 +9,12 @@ from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 
-from emulators.canopen.saved_parameters import Volatile
 from emulators.epos2.drive import Epos2
 from emulators.epos2.mounted import Comparison, Mounted, Torque
 from emulators.epos2.objects.device_profile import DeviceProfile, numbered
+from emulators.epos2.options import PRODUCT
 from emulators.epos2.serial.serial_drive import SerialEpos2
-from emulators.epos2.storage import Commissioned, ParameterFile
+from emulators.parameter_files import Commissioned, storage_in
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, ServoPlant
 from emulators.servo.fmu_axes import axis_needs, fmu_bank, load_plant, set_motor
@@ -93,9 +93,9 @@ def drives(
 def _drive(order: DrivesOrder, node: int, axis: ServoAxis) -> Epos2:
     switch = 0 if order.dip_off else node
     profile = numbered(order.profile, node)
-    # A file for each node: two drives of one bus never share a copy.
-    kept = None if order.parameters is None else ParameterFile(order.parameters / f"node-{node}.json")
-    storage = Commissioned(order.commissioned, kept or Volatile()) if order.commissioned else kept
+    storage = storage_in(order.parameters, node, PRODUCT)
+    if order.commissioned:
+        storage = Commissioned(order.commissioned, storage)
     if node not in order.serial:
         return Epos2(switch, axis, profile, storage=storage, bus_rate=order.bit_rate)
     generation = order.serial[node]

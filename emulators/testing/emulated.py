@@ -5,11 +5,12 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
-from emulators.family import families, family_of
+from emulators.family import Trait, families, family_of
 from emulators.testing.answering import BoardCall, LineCall, RollCall
 from emulators.testing.buses import Bus
 from emulators.testing.errors import RigError
 from emulators.testing.process import Process
+from firmware_bridge.robot.problems import near
 from firmware_bridge.robot_types import find
 
 READY_WITHIN_S: Final = 60.0
@@ -20,21 +21,34 @@ Start = Callable[[Sequence[str]], Process]
 """Function that runs `firmware-bridge` with these words."""
 
 
+def family_named(name: str | None) -> str:
+    """Return the family of drives of this name; None: that whose drives have a serial line, too. RigError."""
+    known = {name: one for name, one in families().items() if Trait.DRIVE in one.traits}
+    if name is None:
+        return next(name for name, one in known.items() if one.presence is not None)
+    if name not in known:
+        raise RigError(f"drives of '{name}': {near(name, known)}")
+    return name
+
+
 class Drives:
-    """Emulated EPOS2 on a serial line, or on a CAN bus."""
+    """Emulated drives of a family on a serial line, or on a CAN bus."""
 
     def __init__(self, start: Start, folder: Path) -> None:
         self._start: Final = start
         self._folder: Final = folder
         self._programs: Final[dict[str, Process]] = {}
 
-    def __call__(self, nodes: str = "1", *more: str, on: Bus | None = None) -> str:
+    def __call__(self, nodes: str = "1", *more: str, on: Bus | None = None, family: str | None = None) -> str:
         """Start them, wait until they are there, and return where: the line's path, or the bus's channel.
 
         Without `on` the first is on a line, and the others are behind it. `more` are words of
-        `firmware-bridge emulate epos2`. AssertionError, with what was printed, where they do not come.
+        `firmware-bridge emulate FAMILY`. RigError where the family has no such drives; AssertionError, with
+        what was printed, where they do not come.
         """
-        return self._on_a_line(nodes, more) if on is None else self._on_a_bus(nodes, more, on)
+        family = family_named(family)
+        words = ("emulate", family, "--node", nodes, *more)
+        return self._on_a_line(nodes, words, family) if on is None else self._on_a_bus(nodes, words, on)
 
     def lose_power(self, nodes: str) -> None:
         """Take the power from drives that were started by this name; they say nothing any more."""
@@ -43,17 +57,19 @@ class Drives:
             raise RigError(f"no drives '{nodes}' were started; those that were: {known}")
         self._programs[nodes].kill()
 
-    def _on_a_line(self, nodes: str, more: Sequence[str]) -> str:
+    def _on_a_line(self, nodes: str, words: Sequence[str], family: str) -> str:
+        presence = families()[family].presence
+        if presence is None:
+            raise RigError(f"drives of {family} have no serial line: put them on a bus, on=bus()")
         port = self._folder / f"drives-{nodes}.tty"
-        program = self._started(nodes, "--serial", "pty", "--serial-link", str(port), *more)
+        program = self._started(nodes, *words, "--serial", "pty", "--serial-link", str(port))
         # The line does not exist before that.
         program.prints(GREETING, READY_WITHIN_S)
-        presence = next(one.presence for one in families().values() if one.presence is not None)
-        with LineCall(str(port), nodes, partial(presence, "v2" if "v2" in more else "v1")) as call:
+        with LineCall(str(port), nodes, partial(presence, "v2" if "v2" in words else "v1")) as call:
             program.waits(call.complete, f"all of {nodes} answering", READY_WITHIN_S)
         return str(port)
 
-    def _on_a_bus(self, nodes: str, more: Sequence[str], bus: Bus) -> str:
+    def _on_a_bus(self, nodes: str, words: Sequence[str], bus: Bus) -> str:
         with RollCall(bus, nodes) as call:
             # A drive that is there already would answer in the place of the one that is started here.
             there = call.answering()
@@ -63,14 +79,14 @@ class Drives:
                 f"{who} on {bus.channel} answers already, before it was started: a drive of another run, or "
                 "a real one? End it (ps -e | grep firmware-bridge), or take other nodes or another bus"
             )
-        program = self._started(nodes, *bus.words, *more)
+        program = self._started(nodes, *words, *bus.words)
         program.prints(GREETING, READY_WITHIN_S)
         with RollCall(bus, nodes) as call:
             program.waits(call.complete, f"all of {nodes} answering on {bus.channel}", READY_WITHIN_S)
         return bus.channel
 
     def _started(self, nodes: str, *words: str) -> Process:
-        self._programs[nodes] = self._start(("emulate", "epos2", "--node", nodes, *words))
+        self._programs[nodes] = self._start(words)
         return self._programs[nodes]
 
 

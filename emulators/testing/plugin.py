@@ -286,7 +286,7 @@ def under_test(
 def drives(
     under_test: Callable[[Sequence[str]], "Process"], tmp_path: Path, request: pytest.FixtureRequest
 ) -> Iterator["Drives | RealDrives"]:
-    """Return what puts EPOS2 on a serial line, or on a bus, `drives("1-4", on=bus())`: emulated, or real."""
+    """Return what puts drives on a serial line, or on a bus, `drives("1-4", on=bus())`: emulated, or real."""
     # For tests that use them alone.
     from emulators.testing.emulated import Drives  # noqa: PLC0415 - see above
     from emulators.testing.real import RealDrives  # noqa: PLC0415 - see above

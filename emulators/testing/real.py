@@ -6,7 +6,7 @@ from typing import Final
 from unittest import SkipTest
 
 from emulators.testing.buses import Bus
-from emulators.testing.emulated import READY_WITHIN_S, Start
+from emulators.testing.emulated import READY_WITHIN_S, Start, family_named
 from emulators.testing.errors import RigError
 from emulators.testing.process import Process
 from firmware_bridge.cli.node_numbers import numbers
@@ -34,11 +34,13 @@ class RealDrives:
             raise RigError(f"--serial-line {line}: give PROTOCOL:DEVICE, as {LINE} or v2:/dev/ttyUSB0")
         self._line: Final = None if line is None else ("--serial", self._device, "--protocol", spoken)
 
-    def __call__(self, nodes: str = "1", *more: str, on: Bus | None = None) -> str:
+    def __call__(self, nodes: str = "1", *more: str, on: Bus | None = None, family: str | None = None) -> str:
         """See that they answer, and return where they are, as for emulated ones; nothing is written.
 
         AssertionError, with what was printed, for one that does not answer.
         """
+        if family_named(family) != family_named(None):
+            raise SkipTest(f"real drives are not found here as {family}: only those with a serial line are")
         if more:
             raise SkipTest(f"real drives are what they are, and take no {more[0]}")
         place = self._line if on is None else on.words

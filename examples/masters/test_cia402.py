@@ -15,8 +15,9 @@ def master(tmp_path):
     return program
 
 
-def test_it_moves_a_drive(master, bus, drives, under_test):
-    channel = drives("1-2", on=bus())
+@pytest.mark.parametrize("family", ["epos2", "cia402"])
+def test_it_moves_a_drive(master, bus, drives, under_test, family):
+    channel = drives("1-2", on=bus(), family=family)
     moves = under_test(f"{master} {channel} 2 8000")
     assert moves.ends(within=90) == 0
     assert "node 2: enabled" in moves.printed

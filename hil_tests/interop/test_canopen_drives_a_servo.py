@@ -12,7 +12,8 @@ import pytest
 from canopen.objectdictionary import ODArray, ODRecord, ODVariable
 
 from emulators.cia402.objects import objects_of
-from emulators.cia402.single import servos
+from emulators.cia402.servo import Servo
+from emulators.cia402.single import with_motors
 from emulators.servo.motor import MOTOR
 from emulators.wires import CanWire
 from emulators.world import World
@@ -51,7 +52,9 @@ class Bench(PdoMaster):
     """A servo, and a master that is ready to drive it."""
 
     def __init__(self) -> None:
-        made, self.bank = servos((1,), MOTOR, counts=COUNTS, bus_rate=1_000_000)
+        made, self.bank = with_motors(
+            (1,), lambda node, axis: Servo(node, axis, bus_rate=1_000_000), MOTOR, counts=COUNTS
+        )
         world, wire = World(self.bank), CanWire(1_000_000)
         for name, servo in made.items():
             world.attach(name, servo, {CAN: wire})

@@ -10,8 +10,9 @@ import typer
 from emulators.cli.emulate_robot import RobotOptions, run
 from emulators.devices import devices
 from emulators.epos2.drive import Epos2
-from emulators.epos2.storage import ParameterFile
+from emulators.epos2.options import PRODUCT
 from emulators.family import Devices
+from emulators.parameter_files import ParameterFile
 from firmware_bridge.canopen_drive.driver.setup_object import SetupObject
 from firmware_bridge.families.epos2.driver.product import commissioned
 from firmware_bridge.families.epos2.settings import Epos2Axis
@@ -73,7 +74,7 @@ def test_from_the_factory_they_have_none_of_the_robot_s_gains(emulated: Drives) 
 @pytest.mark.parametrize("factory", [False, True])
 def test_what_was_saved_comes_before_both(emulated: Drives, tmp_path: Path, *, factory: bool) -> None:
     axis = RARS.axes[0]
-    ParameterFile(tmp_path / f"node-{Epos2Axis.of(axis).node}.json").write({at.POSITION_P: OWN})
+    ParameterFile(tmp_path / f"node-{Epos2Axis.of(axis).node}.json", PRODUCT).write({at.POSITION_P: OWN})
     drive = emulated(factory=factory, parameters=tmp_path)[axis.name]
     assert drive.store.get(at.POSITION_P) == OWN
 

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from emulators.canopen.saved_parameters import StorageError
-from emulators.epos2.storage import ParameterFile
+from emulators.epos2.options import PRODUCT
+from emulators.parameter_files import ParameterFile
 from firmware_bridge.canopen.address import Address
 from hil_tests.unit.epos2.quiet_motion import Desk
 
@@ -17,7 +18,7 @@ ACCELERATION = Address(0x6083)
 
 
 def drive(path: Path) -> Desk:
-    desk = Desk(storage=ParameterFile(path))
+    desk = Desk(storage=ParameterFile(path, PRODUCT))
     desk.powers()
     return desk
 
@@ -58,9 +59,9 @@ def test_load_gives_the_saved_copy_up(tmp_path: Path) -> None:
 WRITER = """
 import sys
 from pathlib import Path
-from emulators.epos2.storage import ParameterFile
+from emulators.parameter_files import ParameterFile
 from emulators.epos2.objects.device_profile import EPOS2_70_10
-file = ParameterFile(Path(sys.argv[1]))
+file = ParameterFile(Path(sys.argv[1]), "EPOS2")
 numbers = [address for address, row in EPOS2_70_10.objects.items() if row.type.size]
 turn = int(sys.argv[2])
 while True:
@@ -83,7 +84,7 @@ def test_a_kill_at_any_moment_leaves_a_whole_copy(tmp_path: Path) -> None:
             writer.send_signal(signal.SIGKILL)
             # Lines printed between the last line read and the kill are in the pipe.
             reported = max([reported, *map(int, writer.stdout.read().split())])
-        kept = set(ParameterFile(path).read().values())
+        kept = set(ParameterFile(path, PRODUCT).read().values())
         assert len(kept) == 1, "one copy, not parts of two"
         assert kept <= {reported, reported + 1}
         reported = kept.pop()
@@ -91,7 +92,7 @@ def test_a_kill_at_any_moment_leaves_a_whole_copy(tmp_path: Path) -> None:
 
 def test_a_leftover_of_a_kill_is_of_no_account(tmp_path: Path) -> None:
     path = tmp_path / "node-1.json"
-    file = ParameterFile(path)
+    file = ParameterFile(path, PRODUCT)
     file.write({ACCELERATION: 1})
     (tmp_path / "node-1.json.new").write_text('{"format": "EPOS2 par')
     assert file.read() == {ACCELERATION: 1}
@@ -102,7 +103,7 @@ def test_a_leftover_of_a_kill_is_of_no_account(tmp_path: Path) -> None:
 def test_a_disk_that_refuses_is_a_hardware_error_and_the_drive_lives_on(tmp_path: Path) -> None:
     taken = tmp_path / "taken"
     taken.write_text("no folder")
-    desk = Desk(storage=ParameterFile(tmp_path / "node-1.json"))
+    desk = Desk(storage=ParameterFile(tmp_path / "node-1.json", PRODUCT))
     desk.powers()
     (tmp_path / "node-1.json.new").mkdir()
     desk.writes(0x6083, 0, (777).to_bytes(4, "little"))

@@ -1,4 +1,4 @@
-"""Saved parameters of emulated drives in files: one file for each drive, replaced as a whole or not at all.
+"""Saved parameters of emulated CANopen devices: a file for each, replaced as a whole or not at all.
 
 Not known here: what the parameters do. The file is JSON, for people to read, and to edit with care.
 """
@@ -7,14 +7,27 @@ import json
 import os
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from emulators.canopen.saved_parameters import Storage, StorageError
+from emulators.canopen.saved_parameters import Storage, StorageError, Volatile
 from firmware_bridge.canopen.address import Address
 
-FORMAT: Final = "EPOS2 parameters 1"
 HEX: Final = 16
+
+
+def storage_in(folder: Path | None, node: int, product: str) -> Storage:
+    """Return what keeps a node's parameters: a file of its own in the folder; without one it forgets them."""
+    # A file for each node: two devices of one bus never share a copy.
+    return Volatile() if folder is None else ParameterFile(folder / f"node-{node}.json", product)
+
+
+@dataclass(frozen=True, slots=True)
+class Storages:
+    """What keeps the parameters of a robot's devices, by axis; a device without comes new, and forgets."""
+
+    by_axis: Mapping[str, Storage]
 
 
 class Commissioned:
@@ -35,14 +48,16 @@ class Commissioned:
 
 
 class ParameterFile:
-    """The copy that one drive keeps on disk.
+    """The copy that one device keeps on disk.
 
     A new copy is written beside the old one, brought to the disk, and renamed over it: a process killed under
     way leaves the old copy behind, whole, and a file `*.new` that the next write replaces.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, product: str) -> None:
+        """Take a path; a file of another product is refused."""
         self.path: Final = path
+        self._format: Final = f"{product} parameters 1"
 
     def read(self) -> dict[Address, int]:
         """Return the values in the file; none without a file. StorageError for what is no such file."""
@@ -57,7 +72,11 @@ class ParameterFile:
     def write(self, values: Mapping[Address, int]) -> None:
         """Replace the file; StorageError, and the file as it was, where that fails."""
         text = json.dumps(
-            {"format": FORMAT, "values": {str(address): value for address, value in values.items()}}, indent=1
+            {
+                "format": self._format,
+                "values": {str(address): value for address, value in values.items()},
+            },
+            indent=1,
         )
         fresh = self.path.with_name(self.path.name + ".new")
         try:
@@ -74,8 +93,10 @@ class ParameterFile:
             raise StorageError(f"cannot save the parameters to {self.path}: {error}") from error
 
     def _decoded(self, found: Any) -> dict[Address, int]:
-        if not isinstance(found, dict) or found.get("format") != FORMAT:
-            raise StorageError(f"{self.path} is no file of saved parameters: it does not say '{FORMAT}'")
+        if not isinstance(found, dict) or found.get("format") != self._format:
+            raise StorageError(
+                f"{self.path} is no file of saved parameters: it does not say '{self._format}'"
+            )
         values: dict[Address, int] = {}
         for name, value in found.get("values", {}).items():
             index, _, subindex = name.partition(":")
