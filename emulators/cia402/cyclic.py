@@ -10,7 +10,6 @@ it counts. Not described here: torque offsets in position and velocity mode.
 from abc import ABC, abstractmethod
 from typing import ClassVar, Final
 
-from emulators.cia402 import objects as at
 from emulators.drive.mode import ModeOfOperation
 from emulators.drive.shaft import Shaft
 from emulators.servo import spline
@@ -21,6 +20,7 @@ from emulators.servo.spline import SplineSegment
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import Status
+from firmware_bridge.families.cia402.wire import address as at
 
 PER_MILLE: Final = 1000
 _FOLLOWS: Final = int(Status.SETPOINT_ACKNOWLEDGED)

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Final
 from emulators.canopen.product import LayerSetting, Product
 from emulators.canopen.saved_parameters import Storage, Volatile
 from emulators.canopen.slave import CanopenSlave
-from emulators.cia402 import objects as at
 from emulators.cia402.errors import EMERGENCIES
 from emulators.cia402.motion_control import MotionControl
 from emulators.cia402.servo import BIT_RATES
@@ -22,6 +21,7 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.data_type import Access, DataType
 from firmware_bridge.canopen.object_dictionary import ObjectDictionary
 from firmware_bridge.canopen.object_row import ObjectRow
+from firmware_bridge.families.cia402.wire.objects import objects_of
 from firmware_bridge.units import NEVER, Nanoseconds
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ class DeviceOfEds(CanopenSlave):
         bus_rate: int | None = None,
     ) -> None:
         """Take its objects; `axis` is the motor of a drive, `storage` keeps saved parameters."""
-        servo = at.objects_of(axis.encoder_resolution)
+        servo = objects_of(axis.encoder_resolution)
         codes = {rate: code for code, rate in BIT_RATES.items()}
         layer = [
             ObjectRow(address, "", DataType.UNSIGNED8, Access.RW, default=default)

@@ -3,7 +3,6 @@
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
-from emulators.cia402 import objects as at
 from emulators.cia402.servo import Servo
 from emulators.cia402.variations import PLAIN
 from emulators.family import (
@@ -25,6 +24,7 @@ from emulators.servo.scaling import Settings
 from emulators.servo.tuning import tuned
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.families.cia402.settings import Cia402Axis, Cia402Driver, Cia402Link, Home
+from firmware_bridge.families.cia402.wire import address as at
 from firmware_bridge.node import CAN
 from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.units import QUADCOUNTS_PER_LINE

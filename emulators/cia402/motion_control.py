@@ -8,10 +8,8 @@ from emulators.canopen.homing_methods import NOTHING_TO_DO
 from emulators.canopen.object_store import ObjectStore
 from emulators.canopen.power_states import CIA_402, Happening, leaving
 from emulators.cia402 import errors
-from emulators.cia402 import objects as at
 from emulators.cia402.cyclic import PER_MILLE, CyclicMode, CyclicPosition, CyclicTorque, CyclicVelocity
 from emulators.cia402.inputs import ServoInputs
-from emulators.cia402.servo_objects import FACTORS
 from emulators.cia402.variations import PLAIN, Traits
 from emulators.drive.brake import Brake
 from emulators.drive.device_control import DeviceControl
@@ -37,6 +35,7 @@ from firmware_bridge.canopen.cia402 import (
     command_of,
 )
 from firmware_bridge.canopen.emergency import NO_ERROR
+from firmware_bridge.families.cia402.wire import address as at
 from firmware_bridge.units import MILLISECOND, NEVER, QUADCOUNTS_PER_LINE, Nanoseconds
 
 
@@ -282,7 +281,7 @@ class MotionControl:
         store.on_write(od.HOMING_METHOD, self._check_method)
         for address in HEEDED:
             store.on_write(address, partial(self._take_value, address))
-        for address in FACTORS:
+        for address in at.FACTORS:
             store.on_write(address, self._take_factor)
 
     def _position_demand(self) -> int:

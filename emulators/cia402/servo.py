@@ -9,7 +9,6 @@ from emulators.canopen.identity import FIRST_NUMBER
 from emulators.canopen.product import LayerSetting, Product
 from emulators.canopen.saved_parameters import Storage, Volatile
 from emulators.canopen.slave import CanopenSlave
-from emulators.cia402 import objects as at
 from emulators.cia402.errors import EMERGENCIES
 from emulators.cia402.motion_control import MotionControl
 from emulators.cia402.servo_objects import ServoObjects
@@ -21,6 +20,8 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import COB_ID_NO_REMOTE, LAST_NODE
 from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.canopen.pdo import TRANSMIT_PARAMETER
+from firmware_bridge.families.cia402.wire import address as at
+from firmware_bridge.families.cia402.wire.objects import PDOS, objects_of
 
 BIT_RATES: Final[Mapping[int, int]] = MappingProxyType(
     {0: 1_000_000, 1: 800_000, 2: 500_000, 3: 250_000, 4: 125_000, 6: 50_000, 7: 20_000, 8: 10_000}
@@ -90,13 +91,13 @@ class Servo(CanopenSlave):
         rates = {rate: code for code, rate in BIT_RATES.items()}
         own_rate = {} if self._rate is None else {at.BIT_RATE: rates[self._rate]}
         store = ServoObjects(
-            at.objects_of(self._axis.encoder_resolution, traits.absent),
+            objects_of(self._axis.encoder_resolution, traits.absent),
             self._number or FIRST_NUMBER,
             {**self._commissioned, **own_rate},
         )
         self.motion = MotionControl(store, self._axis, self.report, traits, self._settings)
         if traits.keeps_no_remote:
-            for place in range(at.PDOS):
+            for place in range(PDOS):
                 store.on_write(Address(TRANSMIT_PARAMETER + place, 1), _has_no_remote)
         product = replace(PRODUCT, boot_time=traits.boot_time, transmit_types=traits.transmit_types)
         super().__init__(

@@ -14,18 +14,11 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.object_dictionary import ObjectDictionary
 from firmware_bridge.canopen.object_row import ObjectRow
+from firmware_bridge.families.cia402.wire import address as at
+from firmware_bridge.families.cia402.wire.objects import OFF
 
-ENCODER_COUNTS: Final = Address(0x608F, 1)
-ENCODER_TURNS: Final = Address(0x608F, 2)
-GEAR_MOTOR_TURNS: Final = Address(0x6091, 1)
-GEAR_SHAFT_TURNS: Final = Address(0x6091, 2)
-FEED: Final = Address(0x6092, 1)
-FEED_TURNS: Final = Address(0x6092, 2)
-NUMERATOR: Final = (FEED, GEAR_SHAFT_TURNS, ENCODER_TURNS)
-DENOMINATOR: Final = (FEED_TURNS, GEAR_MOTOR_TURNS, ENCODER_COUNTS)
-FACTORS: Final = (*NUMERATOR, *DENOMINATOR)
-OFF: Final = 0xFFFF_FFFF
-"""A window or a limit that does not count, in any unit."""
+NUMERATOR: Final = (at.FEED, at.GEAR_SHAFT_TURNS, at.ENCODER_TURNS)
+DENOMINATOR: Final = (at.FEED_TURNS, at.GEAR_MOTOR_TURNS, at.ENCODER_COUNTS)
 POSITIONS: Final[Collection[Address]] = frozenset(
     {
         od.POSITION_DEMAND,
@@ -36,8 +29,8 @@ POSITIONS: Final[Collection[Address]] = frozenset(
         od.HOME_OFFSET,
         od.MIN_POSITION_LIMIT,
         od.MAX_POSITION_LIMIT,
-        Address(0x60B0),
-        Address(0x60F4),
+        at.POSITION_OFFSET,
+        at.FOLLOWING_ERROR,
     }
 )
 
@@ -54,7 +47,7 @@ class ServoObjects(ObjectStore):
     ) -> None:
         """Fill the store; without all of the three objects a unit is a count."""
         super().__init__(objects, node_id, differing, hidden=hidden)
-        self._scaled: Final = all(address in objects for address in FACTORS)
+        self._scaled: Final = all(address in objects for address in at.FACTORS)
 
     def get(self, address: Address) -> int:
         """Return a number as the device uses it: a position in counts."""

@@ -101,7 +101,6 @@ class Status(IntFlag):
     FOLLOWING_ERROR = 1 << 13
     HOMING_ERROR = 1 << 13
     """Homing mode."""
-    REFERENCED = 1 << 15
 
 
 class ControlwordBit(IntFlag):

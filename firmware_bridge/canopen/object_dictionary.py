@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, KeysView, Mapping
 from typing import Final
 
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.object_row import ObjectRow
 
 
@@ -42,3 +43,24 @@ class ObjectDictionary(Mapping[Address, ObjectRow]):
     def entries(self, index: int) -> tuple[Address, ...]:
         """Return the addresses of a record or an array without sub-index 0, which counts them (CiA 301)."""
         return tuple(Address(index, subindex) for subindex in self.subindexes(index) if subindex)
+
+    # For people
+
+    def called(self, address: Address) -> str:
+        """Return index, sub-index and name of an object, which need not be in the table."""
+        row = self.get(address)
+        return f"{address} {'' if row is None else row.name}".rstrip()
+
+    def decoded(self, address: Address, raw: bytes) -> int | str:
+        """Return what was read: a number, text, or bytes in hexadecimal where its type is not known."""
+        row = self.get(address)
+        if row is not None and row.type is DataType.VISIBLE_STRING:
+            return raw.decode("ascii", errors="replace").rstrip("\0")
+        if row is None or row.type.size != len(raw) or not raw:
+            return raw.hex(" ").upper()
+        return row.type.decode(raw)
+
+    def unit_of(self, address: Address) -> str:
+        """Return an object's unit; empty where it has none."""
+        row = self.get(address)
+        return "" if row is None else row.unit

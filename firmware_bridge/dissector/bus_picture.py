@@ -119,7 +119,7 @@ class BusPicture:
         self._titles = {one.node: one.title for one in expected}
         self._recent, self._burst = Lately(RECENT), Lately(BURST)
         for one in expected:
-            self._reader.expect(one.node, one.written)
+            self._reader.expect(one.node, one.written, one.dictionary)
 
     @property
     def nodes(self) -> tuple[NodeSeen, ...]:

@@ -15,7 +15,7 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.lss import LssCommand
 from firmware_bridge.canopen.pdo import TRANSMIT_MAPPING
 from firmware_bridge.canopen.time_of_day import decode_time
-from firmware_bridge.dissector.dictionary import NOTHING, dictionaries
+from firmware_bridge.dissector.dictionary import Dictionary, dictionaries
 from firmware_bridge.dissector.nodes import Nodes
 from firmware_bridge.packet import Packet
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE, identifier
@@ -40,13 +40,14 @@ class Canopen:
         defaults: bool = True,
         sheet: Mapping[Address, int] | None = None,
     ) -> None:
-        """Read nodes of an unknown maker as of the family `device`, the first one where it is empty.
+        """Read nodes of an unknown maker as of the family `device`, of the first maker where it is empty.
 
         With `defaults` also a PDO whose mapping was not seen to be written; `sheet` has other defaults, of a
         data sheet. A node whose vendor is known from its frames is read by its own dictionary anyway.
         """
-        self._by_vendor = {one.vendor: one for one in dictionaries().values()}
-        unknown = dictionaries()[device] if device else next(iter(dictionaries().values()), NOTHING)
+        known = dictionaries()
+        self._by_vendor = {one.vendor: one for one in known.values()}
+        unknown = known[device] if device else next(one for one in known.values() if one.vendor is not None)
         self._nodes = Nodes(unknown, sheet or {})
         self._defaults = defaults or sheet is not None
         self._requested: dict[int, Address] = {}
@@ -82,8 +83,12 @@ class Canopen:
             return node if mapping >= TRANSMIT_MAPPING else MASTER
         return None
 
-    def expect(self, node: int, written: Iterable[tuple[Address, bytes]]) -> None:
-        """Take a node for set up like this, without having seen it."""
+    def expect(
+        self, node: int, written: Iterable[tuple[Address, bytes]], dictionary: Dictionary | None = None
+    ) -> None:
+        """Take a node for set up like this, without having seen it; `dictionary` is that of its family."""
+        if dictionary is not None:
+            self._nodes.is_of(node, dictionary)
         self._nodes.expect(node, written)
 
     def objects(self, packet: Packet) -> tuple[int, list[tuple[Address, bytes]]]:
@@ -133,8 +138,8 @@ class Canopen:
         decoded = cia301.decode_emergency(payload)
         if decoded is None:
             return f"EMCY node {node}: too short"
-        cause = ", ".join(self._nodes.of(node).words(Address(0x1003, 1), decoded.code, None))
-        register = ", ".join(self._nodes.of(node).words(od.ERROR_REGISTER, decoded.register, None))
+        cause = ", ".join(self._nodes.of(node).words.words(Address(0x1003, 1), decoded.code))
+        register = ", ".join(self._nodes.of(node).words.words(od.ERROR_REGISTER, decoded.register))
         return f"EMCY node {node}: {cause}; error register 0x{decoded.register:02X} ({register})"
 
     def time_stamp(self, _node: int, payload: bytes) -> str:
@@ -172,10 +177,8 @@ class Canopen:
                 if raw is None:
                     length = "" if size is None else f" of {size} bytes"
                     return f"{head} {self._nodes.called(node, address)}, segments{length} to come"
-                vendor = int.from_bytes(raw, "little") if address == od.VENDOR_ID else 0
-                if vendor in self._by_vendor:
-                    # Vendor by 0x1018:1: from now on its default mapping is known.
-                    self._nodes.is_of(node, self._by_vendor[vendor])
+                if address == od.VENDOR_ID:
+                    self._identified(node, int.from_bytes(raw, "little"))
                 return f"{head} {self._nodes.called(node, address)} = {self._nodes.value(node, address, raw)}"
             case sdo.DownloadResponse(address):
                 return f"{head} {self._nodes.called(node, address)} written"
@@ -198,6 +201,12 @@ class Canopen:
         command = _LSS.get(payload[0]) if payload else None
         text = "no command" if command is None else f"{_plain(command.name)} {payload[1:].hex(' ').upper()}"
         return f"LSS: {text}"
+
+    def _identified(self, node: int, vendor: int) -> None:
+        """Read a node by its maker's dictionary from now on, or by that of any maker's drives."""
+        found = self._by_vendor.get(vendor, self._by_vendor.get(None))
+        if found is not None:
+            self._nodes.is_of(node, found)
 
     # What is written, and by whom it is read again
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.dissector.dictionary import Dictionary
 from firmware_bridge.family import family_of
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.table import Medium
@@ -16,6 +17,8 @@ class Expected:
     node: int
     title: str
     written: tuple[tuple[Address, bytes], ...]
+    dictionary: Dictionary | None = None
+    """By which it is read; None: as any node of an unknown maker."""
 
 
 def expected_on(robot: AnyRobot, link: str) -> Iterator[Expected]:

@@ -52,15 +52,15 @@ class Nodes:
 
     def called(self, node: int, address: Address) -> str:
         """Return an object's index, sub-index and name."""
-        return self.of(node).called(address)
+        return self.of(node).rows.called(address)
 
     def is_of(self, node: int, dictionary: Dictionary) -> None:
         """Read a node by this dictionary from now on."""
         self._dictionaries[node] = dictionary
 
     def identified(self, node: int) -> bool:
-        """Return whether a node's maker is known."""
-        return node in self._dictionaries
+        """Return whether a node's maker is known, and with him its default mapping."""
+        return node in self._dictionaries and self._dictionaries[node].vendor is not None
 
     def note(self, node: int, address: Address, raw: bytes) -> None:
         """Take note of what is written to a node."""
@@ -103,12 +103,12 @@ class Nodes:
         if row is not None and 0 < row.type.size < len(raw):
             raw = raw[: row.type.size]  # a client that gives no size sends four bytes
         read = self.of(node)
-        value = read.decode(address, raw)
-        mode = read.mode_of(self._written.get(node, {}).get(od.MODE, 0))
-        text = read.words(address, value, mode)
+        value = read.rows.decoded(address, raw)
+        mode = read.words.mode_of(self._written.get(node, {}).get(od.MODE, 0))
+        text = read.words.words(address, value, mode)
         in_bits = isinstance(value, int) and _in_bits(address)
         number = f"0x{value:0{2 * len(raw)}X}" if in_bits else f"{value}"
-        unit = read.unit_of(address)
+        unit = read.rows.unit_of(address)
         return number + (f" {unit}" if unit else "") + (f" ({', '.join(text)})" if text else "")
 
     def candidates(self, number: int) -> Iterator[tuple[int, str, int]]:

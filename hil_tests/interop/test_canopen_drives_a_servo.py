@@ -11,13 +11,13 @@ import canopen
 import pytest
 from canopen.objectdictionary import ODArray, ODRecord, ODVariable
 
-from emulators.cia402.objects import objects_of
 from emulators.cia402.servo import Servo
 from emulators.cia402.single import with_motors
 from emulators.servo.motor import MOTOR
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.canopen.object_dictionary import ObjectDictionary
+from firmware_bridge.families.cia402.wire.objects import objects_of
 from firmware_bridge.node import CAN
 from hil_tests.interop.virtual_master import PdoMaster
 

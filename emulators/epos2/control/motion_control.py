@@ -34,14 +34,13 @@ from firmware_bridge.canopen.cia402 import PowerState, Status
 from firmware_bridge.canopen.emergency import NO_ERROR
 from firmware_bridge.families.epos2.wire import emergency
 from firmware_bridge.families.epos2.wire.functions import OutputFunction
-from firmware_bridge.families.epos2.wire.power_states import STATUSWORDS
+from firmware_bridge.families.epos2.wire.power_states import REFERENCED, STATUSWORDS
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 # The statusword's bits as plain numbers: it is put together with every frame, and flags are slow to join.
 _STAGE_ON: Final = 1 << 4
 _REMOTE: Final = int(Status.REMOTE)
 _TARGET_REACHED: Final = int(Status.TARGET_REACHED)
-_REFERENCED: Final = int(Status.REFERENCED)
 _INTERNAL_LIMIT: Final = int(Status.INTERNAL_LIMIT)
 _FAULTS: Final = frozenset(
     {PowerState.FAULT, PowerState.FAULT_REACTION_ENABLED, PowerState.FAULT_REACTION_DISABLED}
@@ -234,7 +233,7 @@ class MotionControl:
         if self._operational:
             word |= _REMOTE
         if modes.shaft.referenced:
-            word |= _REFERENCED
+            word |= REFERENCED
         if self._axis.flags & CURRENT_LIMITED:
             word |= _INTERNAL_LIMIT
         self.pins.refresh()

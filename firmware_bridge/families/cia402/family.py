@@ -3,10 +3,12 @@
 from typing import Final
 
 from firmware_bridge.canopen_drive.driver.stops import CONFIRMED_BY, alone, stop_stages
+from firmware_bridge.canopen_drive.shown import shown
 from firmware_bridge.families.cia402.check import check
 from firmware_bridge.families.cia402.driver.link_drivers import link_drivers
 from firmware_bridge.families.cia402.driver.product import REPORTS
 from firmware_bridge.families.cia402.guard.product import can_rules
+from firmware_bridge.families.cia402.reading import DICTIONARY, expected
 from firmware_bridge.families.cia402.settings import Cia402Axis, Cia402Link, Cia402Supply
 from firmware_bridge.family import Family
 
@@ -23,4 +25,7 @@ FAMILY: Final = Family(
     confirmed_by=CONFIRMED_BY,
     alone=alone,
     wire_rules=can_rules,
+    dictionary=DICTIONARY,
+    expected=expected,
+    shown=shown,
 )

@@ -6,13 +6,13 @@ Which of the two protocols a line speaks shows with its first byte: V2's frames 
 from typing import Final
 
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.families.epos2.commissioning.names import called
 from firmware_bridge.families.epos2.maxon import v1
 from firmware_bridge.families.epos2.maxon.frame import ANSWER, DLE, Failure, Frame
 from firmware_bridge.families.epos2.maxon.messages import Answer, Request
 from firmware_bridge.families.epos2.maxon.opcodes import COMMANDS, decode_answer, decode_request
 from firmware_bridge.families.epos2.maxon.packets import outcome_of
 from firmware_bridge.families.epos2.maxon.v2 import Damaged, FrameReader
+from firmware_bridge.families.epos2.wire.differences import ANY_TYPE
 from firmware_bridge.packet import Packet
 
 _HANDSHAKE: Final = {v1.OKAY: "okay", v1.FAILED: "failed"}
@@ -24,7 +24,7 @@ def _fields(message: Request | Answer) -> str:
     values = {name: getattr(message, name) for name in type(message).__dataclass_fields__}
     texts = []
     if set(_OBJECT) <= set(values):
-        texts.append(called(Address(*(values.pop(name) for name in _OBJECT))))
+        texts.append(ANY_TYPE.called(Address(*(values.pop(name) for name in _OBJECT))))
     for name, value in values.items():
         texts.append(f"{name} {value.hex(' ').upper() if isinstance(value, bytes) else value}")
     return ", ".join(texts)

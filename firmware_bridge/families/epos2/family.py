@@ -3,6 +3,7 @@
 from typing import Final
 
 from firmware_bridge.canopen_drive.driver.stops import CONFIRMED_BY, alone
+from firmware_bridge.canopen_drive.shown import shown
 from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.families.epos2.check import check
 from firmware_bridge.families.epos2.driver.can_link_drivers import can_link_drivers
@@ -47,12 +48,6 @@ def _line_end(node: Node, link: LinkTable, name: str) -> Node:
     return MaxonLine(node, link.protocol, name)
 
 
-def _shown(robot: AnyRobot, name: str) -> str:
-    link = Epos2Link.of_link(robot, name)
-    every = f"every {link.every * robot.cycle_ms} ms"
-    return f"{name}: {link.driver.value}, {link.bit_rate // 1000} kbit/s\n{every}"
-
-
 FAMILY: Final = Family(
     name="epos2",
     title="a link to EPOS2 drives",
@@ -73,5 +68,5 @@ FAMILY: Final = Family(
     expected=expected,
     takes=OPTIONS,
     over=with_options,
-    shown=_shown,
+    shown=shown,
 )

@@ -8,9 +8,7 @@ from firmware_bridge.canopen_drive.driver.setup import MODE
 from firmware_bridge.dissector.dictionary import Dictionary
 from firmware_bridge.dissector.expected import Expected
 from firmware_bridge.dissector.protocols import Protocols, in_bytes
-from firmware_bridge.families.epos2.commissioning.names import called
-from firmware_bridge.families.epos2.commissioning.values import decode, unit_of
-from firmware_bridge.families.epos2.commissioning.words import mode_of, words
+from firmware_bridge.families.epos2.commissioning.words import WORDS
 from firmware_bridge.families.epos2.dissector import MaxonCommands, MaxonLine
 from firmware_bridge.families.epos2.driver.product import configuration
 from firmware_bridge.families.epos2.maxon.packets import MAXON
@@ -21,7 +19,7 @@ from firmware_bridge.families.epos2.wire.objects_pdo import PDOS
 from firmware_bridge.node import SERIAL
 from firmware_bridge.robot import AnyRobot
 
-DICTIONARY: Final = Dictionary(hardware.MAXON, ANY_TYPE, PDOS, called, decode, unit_of, mode_of, words)
+DICTIONARY: Final = Dictionary(hardware.MAXON, ANY_TYPE, PDOS, WORDS)
 PROTOCOLS: Final = {
     SERIAL: Protocols(MaxonLine),
     MAXON: Protocols(MaxonCommands, lambda packet: f"{packet.address:02X}#{in_bytes(packet)}"),
@@ -34,4 +32,4 @@ def expected(robot: AnyRobot, link: str) -> Iterator[Expected]:
     for axis in robot.axes_on(link):
         rows = [(row.address, row.raw) for row in configuration(axis, settings)]
         rows.append((od.MODE, int(MODE[axis.command]).to_bytes(1, "little", signed=True)))
-        yield Expected(Epos2Axis.of(axis).node, axis.title, tuple(rows))
+        yield Expected(Epos2Axis.of(axis).node, axis.title, tuple(rows), DICTIONARY)

@@ -2,10 +2,10 @@
 
 import pytest
 
-from emulators.cia402 import objects as at
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import Mode, PowerState
+from firmware_bridge.families.cia402.wire import address as at
 from hil_tests.unit.cia402.servo_bench import COUNTS, ENABLE, SHUTDOWN, SWITCH_ON, ServoBench
 
 TURN = COUNTS

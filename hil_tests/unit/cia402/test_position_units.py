@@ -4,12 +4,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emulators.cia402 import objects as at
-from emulators.cia402.servo_objects import FACTORS, POSITIONS
+from emulators.cia402.servo_objects import POSITIONS
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import ControlwordBit, Mode
+from firmware_bridge.families.cia402.wire import address as at
+from firmware_bridge.families.cia402.wire.objects import OFF, objects_of
 from hil_tests.unit.cia402.servo_bench import COUNTS, ENABLE, ServoBench
 
 ENCODER, ENCODER_TURNS = Address(0x608F, 1), Address(0x608F, 2)
@@ -87,11 +88,11 @@ def test_a_following_error_is_judged_in_its_unit_whenever_the_factor_came(
 
 
 def test_a_window_that_is_off_stays_off(degrees: ServoBench) -> None:
-    degrees.write(od.POSITION_WINDOW, at.OFF)
-    assert degrees.servo.store.get(od.POSITION_WINDOW) == at.OFF
+    degrees.write(od.POSITION_WINDOW, OFF)
+    assert degrees.servo.store.get(od.POSITION_WINDOW) == OFF
 
 
-@pytest.mark.parametrize("factor", FACTORS)
+@pytest.mark.parametrize("factor", at.FACTORS)
 def test_a_factor_is_written_without_power_alone_and_is_never_0(bench: ServoBench, factor: Address) -> None:
     assert bench.write(factor, 0) == AbortCode.TOO_LOW
     bench.enable(Mode.PROFILE_VELOCITY)
@@ -115,5 +116,5 @@ def test_what_a_client_writes_is_what_the_device_has_within_a_unit(feed: int, ge
 
 
 def test_each_position_of_the_table_has_the_unit() -> None:
-    rows = at.objects_of(COUNTS)
+    rows = objects_of(COUNTS)
     assert {row.address for row in rows.values() if row.unit == "position units"} == set(POSITIONS)

@@ -3,11 +3,11 @@
 import pytest
 
 from emulators.canopen.homing_methods import Switch
-from emulators.cia402 import objects as at
 from emulators.cia402.inputs import PINS
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import Mode, PowerState
+from firmware_bridge.families.cia402.wire import address as at
 from hil_tests.unit.cia402.servo_bench import (
     COUNTS,
     DISABLE,

@@ -3,12 +3,12 @@
 import pytest
 
 from emulators.canopen.homing_methods import Switch
-from emulators.cia402 import objects as at
 from emulators.cia402.inputs import PINS
 from emulators.cia402.variations import VARIATIONS, VariationError, traits_of
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia402 import Mode, PowerState
+from firmware_bridge.families.cia402.wire import address as at
 from hil_tests.unit.cia402.servo_bench import ENABLE, QUICK_STOP, SHUTDOWN, SWITCH_ON, ServoBench
 
 ENABLED, ON, OFF = PowerState.OPERATION_ENABLED, PowerState.SWITCHED_ON, PowerState.SWITCH_ON_DISABLED

@@ -244,7 +244,7 @@ def test_what_a_device_has_recorded_states_its_side_and_needs_no_robot(
         (
             ("--log", "LOG", "--device", "epos4"),
             LOG,
-            "--device epos4: there is epos2; for any other use",
+            "--device epos4: there is cia402, epos2; for any other use",
         ),
         (("--log", "LOG", "--dcf", "LOG"), LOG, "cannot be read as a data sheet"),
         (("--log", "LOG", "--dcf", "LOG"), "[6402]\nParameterValue=1\n", "it names no node"),

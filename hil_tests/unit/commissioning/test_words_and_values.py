@@ -12,10 +12,10 @@ from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.families.epos2.commissioning.client import CommissioningError
 from firmware_bridge.families.epos2.commissioning.motion import why_it_may_move
 from firmware_bridge.families.epos2.commissioning.names import BY_NAME, dashed, find, squashed
-from firmware_bridge.families.epos2.commissioning.values import LONGEST_WRITE, decode, parse
-from firmware_bridge.families.epos2.commissioning.words import words
+from firmware_bridge.families.epos2.commissioning.values import LONGEST_WRITE, parse
+from firmware_bridge.families.epos2.commissioning.words import WORDS
 from firmware_bridge.families.epos2.wire import address as at
-from firmware_bridge.families.epos2.wire.differences import objects_of
+from firmware_bridge.families.epos2.wire.differences import ANY_TYPE, objects_of
 from firmware_bridge.families.epos2.wire.emergency import EMERGENCIES
 from firmware_bridge.families.epos2.wire.modes import Mode
 from hil_tests.lanes import examples
@@ -95,7 +95,7 @@ def test_a_number_that_is_written_is_the_one_that_is_read(row: ObjectRow, data: 
     value = data.draw(st.integers(row.type.lowest, row.type.highest))
     raw = parse(row.address, str(value))
     assert len(raw) == row.type.size
-    assert decode(row.address, raw) == value
+    assert ANY_TYPE.decoded(row.address, raw) == value
     assert parse(row.address, f"0x{int.from_bytes(raw, 'little'):X}") == raw
     if row.unit:
         unit = f"x {row.unit}" if row.unit[0].isdigit() else row.unit
@@ -197,18 +197,18 @@ def test_another_size_can_be_requested() -> None:
     ],
 )  # fmt: skip
 def test_bits_in_words(address: Address, value: int, mode: Mode | None, reported: str) -> None:
-    assert "|".join(words(address, value, mode)) == reported
+    assert "|".join(WORDS.words(address, value, mode)) == reported
 
 
 def test_the_supported_modes_are_those_of_the_drive() -> None:
-    assert set(words(od.SUPPORTED_MODES, 0x003F0065)) == {
+    assert set(WORDS.words(od.SUPPORTED_MODES, 0x003F0065)) == {
         mode.name.lower().replace("_", " ") for mode in Mode
     }
 
 
 @every("code", EMERGENCIES, ids=hex)
 def test_every_emergency_in_the_history_has_its_cause(code: int) -> None:
-    assert words(Address(0x1003, 1), code) == (f"0x{code:04X}", EMERGENCIES[code].cause)
+    assert WORDS.words(Address(0x1003, 1), code) == (f"0x{code:04X}", EMERGENCIES[code].cause)
 
 
 @every(

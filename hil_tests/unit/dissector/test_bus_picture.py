@@ -124,6 +124,33 @@ def test_a_robot_file_names_the_drives_and_their_pdos_even_after_a_restart() -> 
     assert stated.endswith("0x2027 Current Actual Value Averaged = 10 mA")
 
 
+def test_drives_of_any_maker_are_read_by_the_standard() -> None:
+    robot = robot_types.find("servo_axis")
+    (link,) = can_links(robot)
+    picture = BusPicture(1_000_000, tuple(expected_on(robot, link)))
+    changes = [*picture.note(0, frame(0x701, "00")), *picture.note(1, frame(0x281, "3706E80300000A00"))]
+    assert changes[2:] == [
+        "node 1: statusword 0x0637 (operation enabled, voltage enabled, remote, target reached)"
+    ]
+    stated = {address: text for address, _, text, _, _ in picture.messages()}[0x281]
+    assert "0x6064 Position Actual Value = 1000 position units" in stated
+    assert stated.endswith("0x6078 Current Actual Value = 10 1/1000")
+    (failed,) = picture.note(2, frame(0x081, "1186000000000000"))
+    assert failed.startswith("EMCY node 1: 0x8611, following error")
+
+
+def test_a_node_of_a_maker_who_is_not_known_is_read_by_the_standard_and_its_pdos_are_not() -> None:
+    picture = BusPicture(1_000_000)
+    picture.note(0, frame(0x605, "4018100100000000"))
+    picture.note(1, frame(0x585, "43181001CD0B0000"))
+    picture.note(2, frame(0x605, "4041600000000000"))
+    (state,) = picture.note(3, frame(0x585, "4B41600037060000"))
+    assert state == "node 5: statusword 0x0637 (operation enabled, voltage enabled, remote, target reached)"
+    picture.note(4, frame(0x185, "3706"))
+    rows = {address: text for address, _, text, _, _ in picture.messages()}
+    assert rows[0x185] == "37 06, by a mapping that is not known"
+
+
 def test_rates_and_load_are_those_of_the_last_second_by_the_bits_on_the_wire() -> None:
     picture = BusPicture(125_000)
     beat = frame(0x703, "05")

@@ -9,7 +9,7 @@ from firmware_bridge.canopen_drive.driver.object_sensor import MeasuredObject, O
 from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.families.cia402.driver.product import configuration, product
 from firmware_bridge.families.cia402.settings import Cia402Link, Cia402Supply
-from firmware_bridge.families.cia402.wire import SUPPLY
+from firmware_bridge.families.cia402.wire.address import SUPPLY
 from firmware_bridge.robot import AnyRobot
 
 VOLTAGE: Final = MeasuredObject(SUPPLY, DataType.UNSIGNED32, 1.0, 1000.0)

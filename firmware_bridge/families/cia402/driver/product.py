@@ -27,14 +27,14 @@ from firmware_bridge.canopen_drive.driver.setup import (
 from firmware_bridge.canopen_drive.driver.setup_object import SetupObject
 from firmware_bridge.drivers.driver import Reports
 from firmware_bridge.families.cia402.settings import Cia402Axis, Cia402Link, Home
-from firmware_bridge.families.cia402.wire import (
-    CAUSES,
+from firmware_bridge.families.cia402.wire.address import (
     FACTORS,
     MAX_CURRENT,
     MAX_MOTOR_SPEED,
     PERIOD,
     RATED_CURRENT,
 )
+from firmware_bridge.families.cia402.wire.causes import CAUSES
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 

@@ -16,7 +16,7 @@ from firmware_bridge.canopen_drive.guard.product import GuardedProduct
 from firmware_bridge.canopen_drive.guard.values import Values, exactly, within
 from firmware_bridge.canopen_drive.guard.zeroing import only, searched
 from firmware_bridge.families.cia402.settings import Cia402Axis, Home
-from firmware_bridge.families.cia402.wire import FACTORS, MAX_CURRENT, MAX_MOTOR_SPEED, PERIOD
+from firmware_bridge.families.cia402.wire.address import FACTORS, MAX_CURRENT, MAX_MOTOR_SPEED, PERIOD
 from firmware_bridge.robot import AnyRobot, Axis
 
 I16: Final = DataType.INTEGER16

@@ -9,8 +9,7 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.families.epos2.commissioning.job import JobError, RefusedError
 from firmware_bridge.families.epos2.commissioning.names import name_of
 from firmware_bridge.families.epos2.commissioning.reading import Reading
-from firmware_bridge.families.epos2.commissioning.values import unit_of
-from firmware_bridge.families.epos2.commissioning.words import words
+from firmware_bridge.families.epos2.commissioning.words import WORDS
 from firmware_bridge.families.epos2.wire.differences import ANY_TYPE
 
 _SIMPLE: Final = re.compile(r"[A-Za-z/]+")
@@ -32,7 +31,7 @@ def value_text(reading: Reading, address: Address) -> str:
     value = reading.value(address)
     if raw is None or value is None:
         return "-"
-    decoded = words(address, value, reading.mode)
+    decoded = WORDS.words(address, value, reading.mode)
     if not decoded:
         return f"{value}{_unit(address)}"
     number = f"{value}" if address in _PLAIN else f"0x{int.from_bytes(raw, 'little'):0{2 * len(raw)}X}"
@@ -51,8 +50,8 @@ def object_record(reading: Reading, address: Address) -> dict[str, Any]:
     raw = reading.found.get(address)
     if isinstance(raw, bytes):
         value = reading.value(address)
-        decoded = () if value is None else words(address, value, reading.mode)
-        found |= {"value": value, "raw": raw.hex(), "unit": unit_of(address), "words": list(decoded)}
+        decoded = () if value is None else WORDS.words(address, value, reading.mode)
+        found |= {"value": value, "raw": raw.hex(), "unit": ANY_TYPE.unit_of(address), "words": list(decoded)}
     elif isinstance(raw, RefusedError):
         found["error"] = {"code": f"0x{raw.code:08X}", "text": meaning_of(raw.code)}
     elif raw is not None:
@@ -62,7 +61,7 @@ def object_record(reading: Reading, address: Address) -> dict[str, Any]:
 
 def _unit(address: Address) -> str:
     """Return an object's unit behind a number; a unit that is a number itself is set apart."""
-    unit = unit_of(address)
+    unit = ANY_TYPE.unit_of(address)
     if not unit:
         return ""
     return f" {unit}" if _SIMPLE.fullmatch(unit) else f" x {unit}"

@@ -14,7 +14,7 @@ from firmware_bridge.families.epos2.commands.object_text import object_record, v
 from firmware_bridge.families.epos2.commands.one_drive import OneDrive, one_drive
 from firmware_bridge.families.epos2.commissioning.overview import Overview
 from firmware_bridge.families.epos2.commissioning.power import PowerCommand, Wanted
-from firmware_bridge.families.epos2.commissioning.words import title
+from firmware_bridge.families.epos2.commissioning.words import WORDS
 
 EXAMPLES: Final = """Examples:
 
@@ -69,7 +69,7 @@ def _text(drive: OneDrive, overview: Overview) -> str:
         ("state", "unknown" if overview.state is None else overview.state.title),
         ("statusword", value_text(standing, od.STATUSWORD)),
         ("controlword", value_text(standing, od.CONTROLWORD)),
-        ("mode", title(overview.mode)),
+        ("mode", WORDS.title(overview.mode)),
         ("network", " or ".join(each.title for each in overview.network) or "unknown"),
         ("errors", value_text(standing, od.ERROR_REGISTER)),
         ("history", "\n             ".join(errors) or "empty"),
@@ -84,7 +84,7 @@ def _record(drive: OneDrive, overview: Overview) -> dict[str, Any]:
         "state": None if overview.state is None else overview.state.title,
         "mode": None
         if overview.mode is None
-        else {"number": overview.mode.value, "name": title(overview.mode)},
+        else {"number": overview.mode.value, "name": WORDS.title(overview.mode)},
         "network": [each.title for each in overview.network],
         "next": overview.next_step or None,
         "history": [object_record(history, address) for address in history.addresses],

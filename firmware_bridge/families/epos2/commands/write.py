@@ -14,10 +14,11 @@ from firmware_bridge.families.epos2.commands.one_drive import OneDrive, one_driv
 from firmware_bridge.families.epos2.commissioning.client import Ask, CommissioningError, need
 from firmware_bridge.families.epos2.commissioning.job import WriteJob
 from firmware_bridge.families.epos2.commissioning.motion import why_it_may_move
-from firmware_bridge.families.epos2.commissioning.names import called, find
+from firmware_bridge.families.epos2.commissioning.names import find
 from firmware_bridge.families.epos2.commissioning.reading import Reading
 from firmware_bridge.families.epos2.commissioning.serial_access import SerialAccess
 from firmware_bridge.families.epos2.commissioning.values import LONGEST_WRITE, parse
+from firmware_bridge.families.epos2.wire.differences import ANY_TYPE
 
 EXAMPLES: Final = """Examples:
 
@@ -68,7 +69,7 @@ def write(
         raise refusal("--size: a serial line always carries four bytes; leave it out")
     why = why_it_may_move(address, raw)
     if why is not None:
-        confirm(f"write {called(address)} of {drive.title}", why, yes=yes)
+        confirm(f"write {ANY_TYPE.called(address)} of {drive.title}", why, yes=yes)
     drive.finish((Ask(WriteJob(address, raw), need(lambda _raw: ())),))
     written = Reading([address])
     written.found[address] = raw

@@ -15,7 +15,6 @@ from firmware_bridge.families.epos2.commissioning.job import (
     SilentError,
     WriteJob,
 )
-from firmware_bridge.families.epos2.commissioning.names import called
 from firmware_bridge.families.epos2.wire.differences import ANY_TYPE
 from firmware_bridge.units import MILLISECOND
 
@@ -65,8 +64,8 @@ def _what(job: Job) -> str:
     if isinstance(job, NetworkJob):
         return str(job)
     if isinstance(job, ReadJob):
-        return f"to read {called(job.address)}"
-    return f"to write {_value(job)} to {called(job.address)}"
+        return f"to read {ANY_TYPE.called(job.address)}"
+    return f"to write {_value(job)} to {ANY_TYPE.called(job.address)}"
 
 
 def _value(job: WriteJob) -> str:

@@ -73,11 +73,6 @@ def name_of(address: Address) -> str:
     return "" if row is None else row.name
 
 
-def called(address: Address) -> str:
-    """Return index, sub-index and name for people."""
-    return f"{address} {name_of(address)}".rstrip()
-
-
 def _subindex(text: str, sub: str) -> int:
     number = int(sub, 10 if sub.isdigit() else 16)
     if number > 0xFF:  # noqa: PLR2004 - a byte

@@ -6,10 +6,10 @@ from typing import Final
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.drive_words import BY_MODE
 from firmware_bridge.families.epos2.commissioning.client import Ask, Do, Script, Wait
 from firmware_bridge.families.epos2.commissioning.job import JobError, Outcome, ReadJob
-from firmware_bridge.families.epos2.commissioning.values import decode
-from firmware_bridge.families.epos2.commissioning.words import BY_MODE, mode_of
+from firmware_bridge.families.epos2.wire.differences import ANY_TYPE
 from firmware_bridge.families.epos2.wire.modes import Mode
 from firmware_bridge.units import Nanoseconds
 
@@ -27,12 +27,12 @@ class Reading:
     def mode(self) -> Mode | None:
         """The drive's mode, which some texts depend on; None where it is not known."""
         value = self.value(od.MODE_DISPLAY)
-        return mode_of(value) if isinstance(value, int) else None
+        return Mode(value) if value in set(Mode) else None
 
     def value(self, address: Address) -> int | str | None:
         """Return what was read; None where nothing was."""
         raw = self.found.get(address)
-        return decode(address, raw) if isinstance(raw, bytes) else None
+        return ANY_TYPE.decoded(address, raw) if isinstance(raw, bytes) else None
 
     def once(self) -> Script:
         """Read each object once. A refusal is kept; a drive that does not answer ends the script."""

@@ -20,7 +20,7 @@ from firmware_bridge.families.epos2.commissioning.job import JobError, Outcome, 
 from firmware_bridge.families.epos2.commissioning.network_command import SDO_SERVER
 from firmware_bridge.families.epos2.commissioning.overview import network_states
 from firmware_bridge.families.epos2.commissioning.serial_access import OWN, SerialAccess
-from firmware_bridge.families.epos2.commissioning.values import decode
+from firmware_bridge.families.epos2.wire.differences import ANY_TYPE
 from firmware_bridge.families.epos2.wire.hardware import MAXON
 from firmware_bridge.families.epos2.wire.power_states import state_of
 from firmware_bridge.node import CAN
@@ -57,7 +57,7 @@ class ScannedNode:
     def value(self, address: Address) -> int | str | None:
         """Return what it has answered; None where it has not, or refused."""
         raw = self.outcomes.get(address)
-        return decode(address, raw) if isinstance(raw, bytes) else None
+        return ANY_TYPE.decoded(address, raw) if isinstance(raw, bytes) else None
 
     def number(self, address: Address) -> int | None:
         """Return what it has answered where that is a number."""

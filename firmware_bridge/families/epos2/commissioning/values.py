@@ -11,10 +11,9 @@ from typing import Final
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
-from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen.object_row import ObjectRow
 from firmware_bridge.families.epos2.commissioning.client import CommissioningError
-from firmware_bridge.families.epos2.commissioning.names import called, squashed
+from firmware_bridge.families.epos2.commissioning.names import squashed
 from firmware_bridge.families.epos2.wire.differences import ANY_TYPE
 from firmware_bridge.families.epos2.wire.modes import Mode
 
@@ -54,7 +53,7 @@ def size_of_write(address: Address, size: int | None) -> int:
     if size is None and not 0 < own <= LONGEST_WRITE:
         length = f"{own} bytes" if own else "no fixed length"
         raise ValueTextError(
-            f"{called(address)} has {length}; values of up to {LONGEST_WRITE} can be written"
+            f"{ANY_TYPE.called(address)} has {length}; values of up to {LONGEST_WRITE} can be written"
         )
     return own if size is None else size
 
@@ -77,7 +76,7 @@ def parse(address: Address, text: str, size: int | None = None) -> bytes:
         highest = number  # hexadecimal digits are the bits themselves, also of a negative number
     if not lowest <= number <= highest:
         raise ValueTextError(
-            f"'{text}' does not fit {called(address)}: {length} bytes hold {lowest} to {highest}"
+            f"'{text}' does not fit {ANY_TYPE.called(address)}: {length} bytes hold {lowest} to {highest}"
         )
     # Two's complement, and little-endian, as all numbers of CiA 301.
     return (number & (1 << bits) - 1).to_bytes(length, "little")
@@ -88,14 +87,16 @@ def _number(address: Address, text: str, row: ObjectRow | None) -> int:
     if found is None:
         named = ", ".join(_WORDS.get(address, {}))
         kinds = f"a number or one of: {named}" if named else "a number, as 500, 0x1F4 or with its unit"
-        raise ValueTextError(f"'{text}' is no value for {called(address)}; give {kinds}")
+        raise ValueTextError(f"'{text}' is no value for {ANY_TYPE.called(address)}; give {kinds}")
     unit = (found["unit"] or "").strip()
     # Decimal and not float: 0.1 shall be a whole number of its smaller unit.
     magnitude = Decimal(int(found["hex"], 16)) if found["hex"] else Decimal(found["number"])
     scaled = magnitude * _factor(address, text, unit, row)
     if scaled != scaled.to_integral_value():
         wanted = "" if row is None or not row.unit else f" {row.unit}"
-        raise ValueTextError(f"'{text}' is not a whole number of{wanted or ' steps'} for {called(address)}")
+        raise ValueTextError(
+            f"'{text}' is not a whole number of{wanted or ' steps'} for {ANY_TYPE.called(address)}"
+        )
     return int(scaled) * (-1 if found["sign"] == "-" else 1)
 
 
@@ -107,21 +108,5 @@ def _factor(address: Address, text: str, unit: str, row: ObjectRow | None) -> De
     others = _UNITS.get(own, {})
     if unit not in others:
         known = ", ".join((own, *others)) if own else "no unit"
-        raise ValueTextError(f"'{text}' has the wrong unit: {called(address)} is in {known}")
+        raise ValueTextError(f"'{text}' has the wrong unit: {ANY_TYPE.called(address)} is in {known}")
     return others[unit]
-
-
-def decode(address: Address, raw: bytes) -> int | str:
-    """Return what was read: a number, text, or bytes in hexadecimal where no type of this size is known."""
-    row = ANY_TYPE.get(address)
-    if row is not None and row.type is DataType.VISIBLE_STRING:
-        return raw.decode("ascii", errors="replace").rstrip("\0")
-    if row is None or row.type.size != len(raw) or not raw:
-        return raw.hex(" ").upper()
-    return row.type.decode(raw)
-
-
-def unit_of(address: Address) -> str:
-    """Return an object's unit; empty where it has none."""
-    row = ANY_TYPE.get(address)
-    return "" if row is None else row.unit

@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import Final
 
 from firmware_bridge.canopen import objects as od
-from firmware_bridge.canopen.cia402 import Status
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen_drive.driver.process_data import pdos
 from firmware_bridge.canopen_drive.driver.product import DriveProduct
@@ -33,7 +32,7 @@ from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.families.epos2.wire.emergency import EMERGENCIES
 from firmware_bridge.families.epos2.wire.functions import OUTPUT_MASK, OUTPUT_PINS, OutputFunction
 from firmware_bridge.families.epos2.wire.hardware import alike
-from firmware_bridge.families.epos2.wire.power_states import STATES
+from firmware_bridge.families.epos2.wire.power_states import REFERENCED, STATES
 from firmware_bridge.families.epos2.wire.rows import EDS, FIRMWARE_SPECIFICATION
 from firmware_bridge.robot import Axis, Output
 
@@ -65,7 +64,7 @@ def product(axis: Axis) -> DriveProduct:
         amperes=1.0 / MILLIAMPERES,
         velocity=at.VELOCITY_AVERAGED,
         standstill=STANDSTILL_RPM,
-        referenced=Status.REFERENCED,
+        referenced=REFERENCED,
         identity=identity(axis),
         commissioned=commissioned(axis),
         in_place=in_place,

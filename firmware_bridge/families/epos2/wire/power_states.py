@@ -12,6 +12,8 @@ from firmware_bridge.canopen.cia402 import PowerState, StatePattern, StateTable
 STATE_BITS: Final = 0x417F
 """The Statusword bits of the state: 14, 8 and 6 to 0; 9 to 13 and 15 have other meanings, 7 none."""
 
+REFERENCED: Final = 1 << 15
+"""Statusword bit of a drive whose position is referenced to home."""
 STATES: Final = StateTable(
     tuple(
         StatePattern(state, STATE_BITS, word)

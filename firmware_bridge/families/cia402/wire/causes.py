@@ -1,30 +1,9 @@
-"""Objects and error codes of CiA 402 that only drives of any maker use here.
-
-Sources: CiA 402-2 for objects; CiA 301 and CiA 402 for error codes.
-"""
+"""Causes of CiA 402 drives' errors by their codes; CiA 301 and CiA 402."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from firmware_bridge.canopen.address import Address
-
-MAX_CURRENT: Final = Address(0x6073)
-RATED_CURRENT: Final = Address(0x6075)
-SUPPLY: Final = Address(0x6079)
-MAX_MOTOR_SPEED: Final = Address(0x6080)
-FACTORS: Final[Mapping[Address, str]] = MappingProxyType(
-    {
-        Address(0x608F, 1): "encoder_counts",
-        Address(0x608F, 2): "encoder_turns",
-        Address(0x6091, 1): "gear_motor_turns",
-        Address(0x6091, 2): "gear_shaft_turns",
-        Address(0x6092, 1): "feed",
-        Address(0x6092, 2): "feed_turns",
-    }
-)
-"""Of the positions, by their keys in a robot file."""
-PERIOD: Final = Address(0x60C2, 1)
 CAUSES: Final[Mapping[int, str]] = MappingProxyType(
     {
         0x1000: "generic error",

@@ -31,30 +31,6 @@ CIA_301: Final = "CiA 301"
 CIA_402: Final = "CiA 402-2"
 OWN: Final = "a choice of this servo"
 
-NODE_NUMBER: Final = Address(0x2000)
-BIT_RATE: Final = Address(0x2001)
-BIT_RATE_IN_USE: Final = Address(0x2002)
-ERROR_CODE: Final = Address(0x603F)
-FOLLOWING_ERROR_TIME: Final = Address(0x6066)
-STANDSTILL_WINDOW: Final = Address(0x606F)
-STANDSTILL_TIME: Final = Address(0x6070)
-TARGET_TORQUE: Final = Address(0x6071)
-MAX_TORQUE: Final = Address(0x6072)
-MAX_CURRENT: Final = Address(0x6073)
-TORQUE_DEMAND: Final = Address(0x6074)
-RATED_CURRENT: Final = Address(0x6075)
-TORQUE_ACTUAL: Final = Address(0x6077)
-SUPPLY: Final = Address(0x6079)
-MAX_MOTOR_SPEED: Final = Address(0x6080)
-POSITION_INTERNAL: Final = Address(0x6063)
-POSITION_OFFSET: Final = Address(0x60B0)
-VELOCITY_OFFSET: Final = Address(0x60B1)
-TORQUE_OFFSET: Final = Address(0x60B2)
-PERIOD: Final = Address(0x60C2, 1)
-PERIOD_EXPONENT: Final = Address(0x60C2, 2)
-FOLLOWING_ERROR: Final = Address(0x60F4)
-INPUTS: Final = Address(0x60FD)
-
 MODES: Final = (
     Mode.PROFILE_POSITION,
     Mode.PROFILE_VELOCITY,

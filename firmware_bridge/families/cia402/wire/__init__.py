@@ -1,0 +1,1 @@
+"""Objects and error codes of CiA 402 drives, for bridge and emulation alike."""
