@@ -8,7 +8,7 @@ from typing import Final
 
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.teleop.modes import DrivingMode
-from firmware_bridge.teleop.station import Stick, Velocity
+from firmware_bridge.teleop.station import Motion, Stick
 from firmware_bridge.units import Nanoseconds
 
 
@@ -46,15 +46,15 @@ class ReportedMode:
         if self._guided:
             self._set_points_at = now
 
-    def counts(self, motion: Stick | Velocity, now: Nanoseconds, *, neutral: bool) -> bool:
+    def counts(self, motion: Motion, now: Nanoseconds, *, neutral: bool) -> bool:
         """Return whether a motion command counts: all do, but a neutral stick beside set-points."""
         # A centred stick beside set-points would stop the robot between two of them.
         idles = self._guided and neutral and isinstance(motion, Stick)
         return not idles or now - self._set_points_at >= self._silent_after
 
-    def received(self, motion: Stick | Velocity, now: Nanoseconds, *, neutral: bool) -> None:
+    def received(self, motion: Motion, now: Nanoseconds, *, neutral: bool) -> None:
         """Take note of a motion command that counted; a deflected stick ends the request for set-points."""
-        if isinstance(motion, Velocity):
+        if not isinstance(motion, Stick):
             self._set_points_at = now
             self._set_points = self._set_points or not neutral
         elif not neutral:

@@ -21,9 +21,16 @@ from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.manual_control import Lever, stick_of, unread
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.schedule import Schedule
-from firmware_bridge.teleop.session import LastCommand, Motion, Peer, Sequenced, Session
-from firmware_bridge.teleop.setpoints import channels_of, pressed, stick_of_channels, turns_alone, velocity_of
-from firmware_bridge.teleop.station import AnyStation, Stick, Switch, Unusable, Velocity
+from firmware_bridge.teleop.session import LastCommand, Peer, Sequenced, Session
+from firmware_bridge.teleop.setpoints import (
+    channels_of,
+    place_of,
+    pressed,
+    stick_of_channels,
+    turns_alone,
+    velocity_of,
+)
+from firmware_bridge.teleop.station import AnyStation, Motion, Place, Stick, Switch, Unusable, Velocity
 from firmware_bridge.units import Nanoseconds, to_seconds
 
 STOPS: Final = (Disarm, EmergencyStop, Pause)
@@ -274,15 +281,22 @@ class Exchange:
         if self.refusal is not None:
             self.ignore()
             return
+        place = None if self.station.place is None else place_of(self.message)
+        if place is not None:
+            self._take_set_point(place)
+            return
         snapshot = self.session.snapshot
         heading = None if snapshot is None else snapshot.pose.heading_rad
         velocity = velocity_of(self.message, self.station.largest(self.session.robot), heading)
         if not isinstance(velocity, Unusable) and turns_alone(self.message):
             velocity = self._turned(velocity)
-        if isinstance(velocity, Unusable):
-            self.refuse(velocity)
+        self._take_set_point(velocity)
+
+    def _take_set_point(self, given: Velocity | Place | Unusable) -> None:
+        if isinstance(given, Unusable):
+            self.refuse(given)
         elif self.newest():
-            self.move(velocity, velocity.deflected)
+            self.move(given, given.deflected)
 
     def take_later(self) -> None:
         """Take a command of a second station with this number: only a stop or a neutral stick counts."""

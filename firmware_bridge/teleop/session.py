@@ -1,7 +1,7 @@
 """State of the operators' session between two datagrams, and the context of its telemetry."""
 
 from dataclasses import dataclass, field
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple
 
 from firmware_bridge.drivers.driver import Power
 from firmware_bridge.intent import NEVER_RECEIVED, AgeLimit, Intent
@@ -19,7 +19,7 @@ from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.teleop.numbered import Numbered
 from firmware_bridge.teleop.parameters import Store, parameters_of
 from firmware_bridge.teleop.schedule import Schedule
-from firmware_bridge.teleop.station import AnyStation, Stick, Unusable, Velocity
+from firmware_bridge.teleop.station import AnyStation, Motion, Unusable, Velocity
 from firmware_bridge.teleop.streams import streams_of
 from firmware_bridge.teleop.telemetry import TelemetryContext
 from firmware_bridge.teleop.texts import Speaker
@@ -56,7 +56,6 @@ MOST_UNTOLD: Final = 8
 """Control that changes all the time must not flood those who only watch."""
 MOST_PEERS: Final = 64
 """Most stations on record; of more, the one silent for longest is dropped, never the one in control."""
-Motion: TypeAlias = Stick | Velocity
 """A motion command as it came, before a robot interprets it."""
 NOTHING: Final = Velocity(0.0, 0.0, 0.0)
 
@@ -278,11 +277,7 @@ class Session:
 
     def applied(self, motion: Motion, motion_command: object) -> object:
         """Return what a motion command makes of the one before it; `Unusable` where it is none."""
-        made: object
-        if isinstance(motion, Stick):
-            made = self.station.stick(motion, motion_command, self.robot)
-        else:
-            made = self.station.target(motion, motion_command, self.robot)
+        made: object = self.station.applied(motion, motion_command, self.robot)
         return made
 
     def adopt(self, peer: Peer | None, now: Nanoseconds) -> None:

@@ -12,7 +12,7 @@ from typing import Final
 
 from firmware_bridge.teleop.manual_control import StickPosition
 from firmware_bridge.teleop.mavlink import Message, dialect
-from firmware_bridge.teleop.station import Channel, Stick, StickAxis, Twist, Unusable, Velocity
+from firmware_bridge.teleop.station import Channel, Place, Stick, StickAxis, Twist, Unusable, Velocity
 
 BODY_FRAMES: Final = frozenset(
     {dialect.MAV_FRAME_BODY_NED, dialect.MAV_FRAME_BODY_OFFSET_NED, dialect.MAV_FRAME_BODY_FRD}
@@ -59,6 +59,10 @@ _MASKS: Final = {
 """Type masks with a velocity and without place and acceleration: 1511 and 3559, 1479 and 2503 of MAVSDK and
 MAVROS, 4039 of DroneKit; and with a yaw rate alone, 1535."""
 
+_PLACE_X: Final = dialect.POSITION_TARGET_TYPEMASK_X_IGNORE
+_PLACE_Y: Final = dialect.POSITION_TARGET_TYPEMASK_Y_IGNORE
+_PLACE_Z: Final = dialect.POSITION_TARGET_TYPEMASK_Z_IGNORE
+_VELOCITY_AND_ACCELERATION: Final = 0x01F8
 _ABSURD: Final = 10.0
 """Multiple of the robot's limit that no operator means."""
 
@@ -120,6 +124,25 @@ def stick_of_channels(
         up=None,
     )
     return StickPosition(stick, deflected)
+
+
+def place_of(message: Message) -> Place | Unusable | None:
+    """Read a SET_POSITION_TARGET_LOCAL_NED with a place for a robot of one axis: x; None without a place."""
+    mask = message.type_mask
+    if mask & _PLACE_X:
+        return None
+    if (
+        mask & _VELOCITY_AND_ACCELERATION != _VELOCITY_AND_ACCELERATION
+        or not mask & _TURN
+        or not mask & _HEADING
+    ):
+        return Unusable("mask", f"type mask {mask}: a place alone is 3576, or 3582 with x alone")
+    if message.coordinate_frame != dialect.MAV_FRAME_LOCAL_NED:
+        return Unusable("frame", f"frame {message.coordinate_frame}; a place is in frame 1")
+    others = [value for value, unread in ((message.y, _PLACE_Y), (message.z, _PLACE_Z)) if not mask & unread]
+    if not math.isfinite(message.x) or any(others):
+        return Unusable("place", "one axis goes to x: a finite number, with y and z at 0")
+    return Place(message.x)
 
 
 def turns_alone(message: Message) -> bool:

@@ -47,9 +47,9 @@ class Stick:
     up: float | None
     """z, where the station reads it, beyond its dead band; with an `up_button` from where it was pressed."""
 
-    def after(self, before: "Stick | Velocity") -> "Stick":
+    def after(self, before: "Motion") -> "Stick":
         """Return it with those axes at 0 that its station deflected before, and does not use any more."""
-        if isinstance(before, Velocity):
+        if not isinstance(before, Stick):
             return self
         # Where one of the two is in use, it steers.
         steered = self.left is not None or self.turn is not None
@@ -82,6 +82,21 @@ class Velocity:
         speed = math.hypot(self.forward_mps, self.left_mps)
         turn = f", {self.yaw_rate_rad_s:.2f} rad/s" if self.yaw_rate_rad_s else ""
         return f"a velocity of {speed:.2f} m/s{turn} is commanded: send zero first"
+
+
+@valueclass(frozen=True, slots=True)
+class Place:
+    """A place to go to, of a robot with one axis; in the axis's unit."""
+
+    x: float
+
+    @property
+    def deflected(self) -> str:
+        """Its command, and the message to send first where it does not count yet."""
+        return f"the place {self.x:.4g} is commanded: send a velocity of zero first"
+
+
+Motion: TypeAlias = Stick | Velocity | Place
 
 
 @valueclass(frozen=True, slots=True)
@@ -203,6 +218,8 @@ class Station(Generic[G, M, S]):
     """Return the command after the one before, for these axes."""
     target: Callable[[Velocity, M, Robot[G]], M | Unusable]
     """Return the command for a velocity, or why this robot cannot mean it."""
+    place: Callable[[Place, M, Robot[G]], M | Unusable] | None = None
+    """Return the command for a place, or why this robot cannot mean it; None: it goes to no place."""
     twist: Callable[[S], Twist]
     forgotten: Callable[[M], M]
     """Return what of a command outlives a change of state: a target that is kept would act later."""
@@ -231,6 +248,18 @@ class Station(Generic[G, M, S]):
     parameters: tuple[Fixed[G], ...] = ()
     gauges: tuple[Gauge[G], ...] = ()
     """Of axes whose place is read off in another way than the axis's own unit; others need no row."""
+
+    def applied(self, motion: Motion, command: M, robot: Robot[G]) -> M | Unusable:
+        """Return what a motion makes of the command before it; `Unusable` where it is none."""
+        if isinstance(motion, Stick):
+            return self.stick(motion, command, robot)
+        if isinstance(motion, Velocity):
+            return self.target(motion, command, robot)
+        return (
+            Unusable("place", "it goes to no place")
+            if self.place is None
+            else self.place(motion, command, robot)
+        )
 
     def __post_init__(self) -> None:
         buttons = [button for button in (self.stop_button, self.up_button) if button is not None]

@@ -106,7 +106,8 @@ the operator link alive. A robot's station may have other rows (`channels`)."""
 MASKS_TEXT: Final = """A velocity, with or without yaw rate, in the body frames 8, 9 and 12: masks 1511, 3559,
 1479 (MAVSDK, MAVROS with `mav_frame: BODY_NED`) and 4039 (DroneKit). A robot that can go any way follows
 frames 1 and 7, too, by its own heading. A velocity of zero stops in each of these frames, with any heading in
-the same message. Positions, headings and accelerations are refused by a text, as are SET_ATTITUDE_TARGET,
+the same message. A place alone, `x` in frame 1 by mask 3576, is for robots of one axis: {of_place}. Other
+positions, headings and accelerations are refused by a text, as are SET_ATTITUDE_TARGET,
 SET_POSITION_TARGET_GLOBAL_INT and SET_ACTUATOR_CONTROL_TARGET: at once, and then at growing intervals."""
 NARROW_TEXT: Final = """`drive --bandwidth 57600`, or `bandwidth_bit_s` under `[operator]` in the robot file,
 is the rate of the link, ten bits a byte. Telemetry takes at most half of it: {full:.0f} B/s on a network,

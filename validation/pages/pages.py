@@ -288,7 +288,7 @@ def _stations() -> str:
         RC_TEXT,
         table(stations.CHANNEL_HEADINGS, stations.channels()),
         "## Set-points",
-        MASKS_TEXT,
+        MASKS_TEXT.format(of_place=stations.of_place()),
         "## Texts",
         NARROW_TEXT.format(full=full, slow=slow),
         table(stations.STREAM_HEADINGS, stations.streams()),

@@ -71,6 +71,11 @@ def sticks() -> Iterator[Cells]:
         )
 
 
+def of_place() -> str:
+    """Return the robots that go to a place by a set-point."""
+    return ", ".join(robot.name for kind, robot in shipped() if kind.station.place is not None)
+
+
 def _buttons(station: AnyStation) -> Iterator[tuple[int, str]]:
     if station.stop_button is not None:
         yield station.stop_button, "emergency stop"

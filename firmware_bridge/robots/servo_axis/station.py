@@ -6,13 +6,14 @@ the place of the meter. Button 2 is the emergency stop.
 
 from typing import Final
 
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import CommandForm, Robot
 from firmware_bridge.robots.servo_axis.geometry import AxisGeometry
 from firmware_bridge.robots.servo_axis.kinematics import AXIS
 from firmware_bridge.robots.servo_axis.motion import AxisMotion, AxisState
 from firmware_bridge.teleop.station import (
     Actuator,
     Fixed,
+    Place,
     Station,
     Stick,
     StickAxis,
@@ -40,6 +41,13 @@ def of_velocity(
     return AxisMotion(velocity.forward_mps)
 
 
+def of_place(place: Place, _command: AxisMotion, robot: Robot[AxisGeometry]) -> AxisMotion | Unusable:
+    """Return the command for a place, which an axis by position goes to."""
+    if robot.axis(AXIS).command is CommandForm.SPEED:
+        return Unusable("place", "an axis that is commanded by speed goes to no place")
+    return AxisMotion(robot.geometry.limits.speed, place.x)
+
+
 def _sent_to(command: AxisMotion, share: float, robot: Robot[AxisGeometry]) -> AxisMotion:
     travel = robot.axis(AXIS).travel
     if travel is None:
@@ -61,6 +69,7 @@ def _end(number: int, robot: Robot[AxisGeometry]) -> float:
 STATION: Final[Station[AxisGeometry, AxisMotion, AxisState]] = Station(
     stick=of_stick,
     target=of_velocity,
+    place=of_place,
     twist=lambda _state: Twist(0.0, 0.0, 0.0),
     forgotten=lambda _command: AxisMotion(),
     largest=_largest,
