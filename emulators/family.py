@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from emulators.bench.faults.kind import FaultKind
     from emulators.cli.emulate_robot import RobotOptions
     from emulators.cli.emulation import Emulation
-    from emulators.motors import Motor as MotorSheet
+    from emulators.new_drive import AxisDrive, AxisTable
     from firmware_bridge.runtime.ports import Port
 
 GROUP: Final = "firmware_bridge.emulated_families"
@@ -265,24 +265,6 @@ class Beside:
     """Their addresses, as text."""
 
 
-class AxisDrive(NamedTuple):
-    """One drive of a new robot: its motor, and what it turns."""
-
-    node: int
-    motor: "MotorSheet"
-    encoder_lines: int
-    inertia_kg_m2: float
-    """At the motor's shaft, the rotor's own included."""
-
-
-class AxisTable(NamedTuple):
-    """A drive in a robot file: the link's word, the lines of `[axes.settings]`, and further tables."""
-
-    driver: str
-    settings: str
-    after: str = ""
-
-
 def _kind_of(robot: AnyRobot, link: str) -> str:
     return robot.links[link].kind
 
@@ -333,7 +315,7 @@ class EmulatedFamily:
     beside: Callable[[AnyRobot, Devices], Beside] | None = None
     """Return its observers for real ports; None without any."""
     axis_table: "Callable[[AxisDrive], AxisTable] | None" = None
-    """Write its drive of one axis into a robot file, for `new`; None: it has no such drive."""
+    """Write its drive of one axis into a robot file, for `new`, or SpecificationError; None: it has none."""
     presence: Callable[[str, int], Question] | None = None
     """Ask the device of a number on a line in a protocol, which it has to answer; None where none has one."""
     questions: Mapping[str, tuple[bytes, bytes]] = field(default_factory=dict)

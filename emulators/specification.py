@@ -9,10 +9,8 @@ from typing import Final
 from firmware_bridge.robot.problems import near
 
 NAME: Final = re.compile(r"[a-z][a-z0-9_]{0,19}")
-ENCODER_LINES: Final = range(16, 2_500_001)
-"""Of an EPOS2's 0x2210:01."""
-ENCODER_LINES_OF_A_BOARD: Final = range(1, 25_001)
-"""Whose edges a board counts in interrupts."""
+ENCODER_LINES: Final = range(1, 2_500_001)
+"""Of any encoder; a device may take fewer: its key in the robot file is then refused."""
 
 
 class SpecificationError(Exception):

@@ -34,6 +34,7 @@ from fmu.plant import FmuPlant
 
 if TYPE_CHECKING:
     from emulators.bench.faults.kind import FaultKind
+    from emulators.new_drive import AxisDrive, AxisTable
 
 
 def _plans(order: BuildOrder) -> tuple[Plan, ...]:
@@ -142,6 +143,12 @@ def _spoken(robot: AnyRobot, link: str) -> str:
     return f"{table.protocol.value}, {table.counted} encoders{'' if table.stock else ', not stock'}"
 
 
+def _axis_table(drive: "AxisDrive") -> "AxisTable":
+    from emulators.arduino_omni.starter import axis_table  # noqa: PLC0415 - only `new` needs it
+
+    return axis_table(drive)
+
+
 FAMILY: Final = EmulatedFamily(
     links=(ShieldLink,),
     plans=_plans,
@@ -154,4 +161,5 @@ FAMILY: Final = EmulatedFamily(
     spoken=_spoken,
     reports_to_console=_reports,
     questions=QUESTIONS,
+    axis_table=_axis_table,
 )

@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING, Final
 from emulators.cia402.servo import Servo
 from emulators.cia402.variations import PLAIN
 from emulators.family import (
-    AxisDrive,
-    AxisTable,
     BuildOrder,
     Built,
     CanBus,
@@ -36,6 +34,7 @@ if TYPE_CHECKING:
     from emulators.bench.faults.kind import FaultKind
     from emulators.cli.emulate_robot import RobotOptions
     from emulators.cli.emulation import Emulation
+    from emulators.new_drive import AxisDrive, AxisTable
 
 MOST_COUNTS: Final = 400_000
 """Of the emulated encoder in one turn."""
@@ -138,11 +137,14 @@ def _on_ports(robot: AnyRobot, given: "RobotOptions") -> "Emulation":
     return emulate_drives(robot, given)
 
 
-def _axis_table(drive: AxisDrive) -> AxisTable:
+def _axis_table(drive: "AxisDrive") -> "AxisTable":
     """Return a drive's lines; vendor and product are those of the emulated servo."""
+    from emulators.new_drive import on_can  # noqa: PLC0415 - only `new` needs it
+
     milliamperes = round(1000.0 * drive.motor.continuous_current_a)
-    return AxisTable(
+    return on_can(
         Cia402Driver.CAN.value,
+        drive,
         f"""\
 device = "cia402"
 vendor_id = 0                   # 0x1018:01, as the drive has it

@@ -13,8 +13,6 @@ from emulators.epos2.options import Epos2Options
 from emulators.epos2.presence import DeviceTypeRead
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.family import (
-    AxisDrive,
-    AxisTable,
     BridgeLink,
     BuildOrder,
     Built,
@@ -48,6 +46,7 @@ from fmu.plant import FmuPlant
 if TYPE_CHECKING:
     from emulators.cli.emulate_robot import RobotOptions
     from emulators.cli.emulation import Emulation
+    from emulators.new_drive import AxisDrive, AxisTable
 
 
 def _plans(order: BuildOrder) -> tuple[Plan, ...]:
@@ -206,7 +205,7 @@ def _on_ports(robot: AnyRobot, given: "RobotOptions") -> "Emulation":
     return emulate_drives(robot, given)
 
 
-def _axis_table(drive: AxisDrive) -> AxisTable:
+def _axis_table(drive: "AxisDrive") -> "AxisTable":
     from emulators.epos2.starter.axis import axis_table  # noqa: PLC0415 - only `new` needs it
 
     return axis_table(drive)

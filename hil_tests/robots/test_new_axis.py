@@ -56,6 +56,33 @@ def test_what_is_written_drives_at_once_and_stops(tmp_path: Path, family: str, w
     rig.bench.finish()
 
 
+@pytest.mark.parametrize("unit", ["rad", "m"])
+def test_a_motor_on_a_shield_drives_by_speed(tmp_path: Path, unit: str) -> None:
+    """By a firmware for three motors, of which one is there."""
+    words = ("--family", "motor_shield", "--command", "speed", "--voltage", "12", "--encoder-lines", "12")
+    sizes = {
+        "rad": ("--gear", "50", "--inertia", "0.002", "--speed", "4"),
+        "m": ("--unit", "m", "--gear", "1250", "--inertia", "2", "--speed", "0.15", "--acceleration", "0.4"),
+    }
+    status, printed, file = new(tmp_path, *words, *sizes[unit])
+    assert status == 0, printed
+    robot = find(str(file), plant_too=True)
+    limit = robot.geometry.limits.speed
+    rig = VirtualRig(robot)
+    rig.bench.runs(4.0)
+    assert rig.operator.armed
+    rig.operator.does("jogs", stick=0.5)
+    rig.bench.runs(4.0)
+    assert abs(rig.bench.samples[-1]["speed_mps"] / limit - 0.5) < 0.1
+    rig.operator.stops()
+    rig.bench.runs(3.0)
+    # Without power the load rocks in its friction.
+    assert abs(rig.bench.samples[-1]["speed_mps"]) < 0.15 * limit
+    assert max(map(abs, rig.bench.samples.column("speed_mps"))) < 0.7 * limit
+    assert rig.bench.guard.refused == 0
+    rig.bench.finish()
+
+
 @pytest.mark.parametrize(
     ("words", "stated"),
     [
@@ -65,8 +92,16 @@ def test_what_is_written_drives_at_once_and_stops(tmp_path: Path, family: str, w
         ((*TURNS, *BETWEEN, *BY_SPEED), "--command speed takes no --travel"),
         ((*TURNS, "--travel", "1,1"), "--travel 1,1: the first must be below the second"),
         ((*TURNS, "--travel", "1"), "--travel 1: LOW,HIGH, as -0.8,1.8"),
-        ((*TURNS, *BETWEEN, "--family", "maxon"), "--family: no 'maxon'; there are: cia402, epos2"),
-        ((*TURNS, *BETWEEN, "--family", "motor_shield"), "--family: no 'motor_shield'"),
+        (
+            (*TURNS, *BETWEEN, "--family", "maxon"),
+            "--family: no 'maxon'; there are: cia402, epos2, motor_shield",
+        ),
+        ((*TURNS, *BETWEEN, "--family", "ar2"), "--family: no 'ar2'; there are: cia402, epos2, motor_sh"),
+        (
+            (*TURNS, *BETWEEN, "--voltage", "12", "--family", "motor_shield"),
+            "--command position: a motor on a shield goes to none; give --command speed",
+        ),
+        ((*TURNS, *BY_SPEED, "--family", "motor_shield"), "--voltage 24: the shield's motor supply is 4.5"),
         ((*TURNS, *BETWEEN, "--unit", "mm"), "--unit: no 'mm'"),
         ((*TURNS, *BETWEEN, "--nodes", "128"), "--nodes: one CANopen node, 1 to 127, not '128'"),
         ((*TURNS, *BETWEEN, "--speed", "50"), "take a smaller --gear, or less --speed"),

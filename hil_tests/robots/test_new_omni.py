@@ -63,10 +63,10 @@ def test_what_is_written_drives_at_once_and_stops(tmp_path: Path, words: Sequenc
         ((*SIZES, "--track", "0.3"), "--track: a robot of the kind omni takes no such option"),
         ((*SIZES, "--nodes", "1"), "--nodes: a robot of the kind omni takes no such option"),
         ((*SIZES, "--voltage", "24"), "--voltage 24: the shield's motor supply is 4.5 to 13.5 V"),
-        ((*SIZES, "--speed", "0.7"), "0.7 m/s at a rim; 12 V gear motor of 17 W behind 64 gives 0.588"),
+        ((*SIZES, "--speed", "0.7"), "go at 14; 12 V gear motor of 17 W behind 64 gives 11.8"),
         ((*SIZES, "--turn-rate", "3"), "--turn-rate 3: on the spot 0.48 m/s at a rim, --speed allows 0.4"),
         ((*SIZES, "--encoder-lines", "500"), "--encoder-lines 500: at full speed 9389 counts in a frame"),
-        ((*SIZES, "--encoder-lines", "0"), "--encoder-lines must be 1 to 25000, not 0"),
+        ((*SIZES, "--encoder-lines", "0"), "--encoder-lines must be 1 to 2500000, not 0"),
         (
             (*SIZES, "--protocol", "firmata"),
             "--protocol: no 'firmata'; there are: mw, ros-arduino-bridge, ard",

@@ -32,6 +32,25 @@ def board(protocol: str, libraries: tuple[str, ...] = mw.LIBRARIES) -> Board:
     return Board(ShieldLink.of_link(over_protocol(find("rome"), protocol), "board"), (1, 2, 3), libraries)
 
 
+@pytest.mark.parametrize(
+    ("data", "means"),
+    [
+        (b"m 5 0 0\r", ListedCommand({1: Inputs(5, in1=True, in2=False)})),
+        (b"m 0 0 0\r", ListedCommand({1: OFF})),
+        (b"m 5 1 0\r", None),
+        (b"m 0 0 -1\r", None),
+        (b"m 5\r", None),
+        (b"m 5 0\r", None),
+        (b"m 5 0 0 0\r", None),
+    ],
+)
+def test_terminals_without_an_axis_stand_still(data: bytes, means: ListedCommand | None) -> None:
+    """One motor on a firmware for three: it takes three words, and two of them are 0."""
+    one = board("ros-arduino-bridge")._replace(motors=(1,))
+    assert READERS[one.link.protocol](data, one) == means
+    assert list(no_motion(1, one)) == [b"m 0 0 0\r"]
+
+
 def encoder(*data: int) -> bytes:
     return firmata.exclusive(firmata.ENCODER, bytes(data))
 

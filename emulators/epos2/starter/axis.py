@@ -1,7 +1,7 @@
 """An EPOS2 of one axis in a robot file: its type, its motor and its gains."""
 
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.family import AxisDrive, AxisTable
+from emulators.new_drive import AxisDrive, AxisTable, on_can
 from emulators.servo.tuning import tuned
 from firmware_bridge.canopen_drive.settings import BRUSHED, SINUSOIDAL
 from firmware_bridge.families.epos2.settings import Epos2Device, Epos2Driver
@@ -19,8 +19,9 @@ def axis_table(drive: AxisDrive) -> AxisTable:
         resistance=motor.resistance_ohm,
         inductance=motor.inductance_h,
     )
-    return AxisTable(
+    return on_can(
         Epos2Driver.CAN.value,
+        drive,
         f"""\
 device = "{device.value}"
 product_code = 0x{(PROFILES[device].hardware_version or 0) << 16:08X}

@@ -31,6 +31,7 @@ class AxisOptions(KindOptions):
         """Write the robot file."""
         from emulators import motors
         from emulators.family import families
+        from emulators.new_drive import AxisDrive
         from emulators.robots.servo_axis.starter import AxisSpecification, robot_file
         from emulators.specification import ENCODER_LINES, SpecificationError, one_of, positive, within
 
@@ -48,15 +49,17 @@ class AxisOptions(KindOptions):
         specified = AxisSpecification(
             name=self.name,
             unit=self.unit,
-            by_position=by_position,
-            node=int(self.nodes),
-            motor=motors.motor(self.motor),
-            gear=positive("--gear", self.gear),
-            encoder_lines=within("--encoder-lines", self.encoder_lines, ENCODER_LINES),
-            load=positive("--inertia", self.inertia),
-            voltage_v=positive("--voltage", self.voltage),
-            speed=positive("--speed", self.speed),
-            acceleration=positive("--acceleration", self.acceleration),
+            drive=AxisDrive(
+                number=int(self.nodes),
+                by_position=by_position,
+                motor=motors.motor(self.motor),
+                encoder_lines=within("--encoder-lines", self.encoder_lines, ENCODER_LINES),
+                gear=positive("--gear", self.gear),
+                load=positive("--inertia", self.inertia),
+                voltage_v=positive("--voltage", self.voltage),
+                speed=positive("--speed", self.speed),
+                acceleration=positive("--acceleration", self.acceleration),
+            ),
             travel=travel,
         )
         write_file(self, robot_file(specified, able[self.family]))

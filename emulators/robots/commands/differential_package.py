@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from emulators.epos2.starter.numbers import Specification
 
 NODES: Final = range(1, 128)
+ENCODER_LINES: Final = range(16, 2_500_001)
+"""Of an EPOS2's 0x2210:01."""
 WHEELS: Final = 2
 
 
@@ -38,7 +40,7 @@ class DifferentialOptions(KindOptions):
         from emulators import motors
         from emulators.epos2.starter.numbers import Specification
         from emulators.epos2.starter.package import write
-        from emulators.specification import ENCODER_LINES, one_of, positive, within
+        from emulators.specification import one_of, positive, within
         from firmware_bridge.families.epos2.settings import Epos2Device
 
         types = [one.value for one in Epos2Device]

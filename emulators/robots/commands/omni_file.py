@@ -24,13 +24,13 @@ class OmniOptions(KindOptions):
     def write(self) -> None:
         """Write the robot file."""
         from emulators import motors
-        from emulators.arduino_omni.board import FIRMWARES
+        from emulators.arduino_omni.starter import counting
         from emulators.robots.rome.starter import KIT, WHEELS, OmniSpecification, robot_file
-        from emulators.specification import ENCODER_LINES_OF_A_BOARD, one_of, positive, within
+        from emulators.specification import ENCODER_LINES, one_of, positive, within
         from firmware_bridge.families.motor_shield.settings import ShieldProtocol
 
         # Without an encoder at each wheel no one would know where it is.
-        protocols = [name for name, firmware in FIRMWARES.items() if len(WHEELS) in firmware.encoders]
+        protocols = counting(len(WHEELS))
         specified = OmniSpecification(
             name=self.name,
             protocol=ShieldProtocol(one_of("--protocol", "", self.protocol, protocols)),
@@ -38,7 +38,7 @@ class OmniOptions(KindOptions):
             wheel_distance_m=positive("--wheel-distance", self.wheel_distance),
             motor=KIT if self.motor == "kit" else motors.motor(self.motor),
             gear=positive("--gear", self.gear),
-            encoder_lines=within("--encoder-lines", self.encoder_lines, ENCODER_LINES_OF_A_BOARD),
+            encoder_lines=within("--encoder-lines", self.encoder_lines, ENCODER_LINES),
             mass_kg=positive("--mass", self.mass),
             voltage_v=positive("--voltage", self.voltage),
             speed_mps=positive("--speed", self.speed),

@@ -5,13 +5,14 @@ reader has to check is marked as assumed.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from emulators.arduino_omni import starter as shield
 from emulators.motors import Motor
+from emulators.new_drive import AxisDrive
 from emulators.specification import SpecificationError
-from firmware_bridge.families.motor_shield.settings import CYCLES_MS, ENCODERS, FULL_PWM, ShieldProtocol
+from firmware_bridge.families.motor_shield.settings import ShieldProtocol
 from firmware_bridge.robots.rome.geometry import FASTEST, SPEED_SHARE
 
 KIT: Final = Motor(
@@ -25,32 +26,6 @@ KIT: Final = Motor(
     source="assumed: ROME's kit",
 )
 WHEELS: Final = ("one", "two", "three")
-ENCODER_PINS: Final = ((2, 3), (18, 19), (10, 11))
-"""Of the first, second and third encoder on a Mega: ROME's."""
-SUPPLY_V: Final = (4.5, 13.5)
-"""Motor supply that the shield takes: Adafruit, Motor Shield V2."""
-CONTINUOUS_MA: Final = 1_200
-PEAK_MA: Final = 3_200
-"""Of a channel: TB6612FNG."""
-USABLE_SPEED: Final = 0.85
-"""Share of a motor's no-load speed: the rest is for load and a supply that is not full."""
-RPM: Final = 60.0 / math.tau
-FRAMES_PER_S: Final = 30
-"""Of ros_arduino_bridge's loop."""
-TICKS_A_FRAME: Final = 226.7
-"""Of ROME's motors at full PWM, for which its gains on the board are."""
-KP: Final = 50
-KD: Final = 20
-KO: Final = 50
-GREATEST_GAIN: Final = 1_000
-WHEEL_RAD_S: Final = 13.9
-"""Of ROME's wheels at full PWM, for which the gains of the bridge's own loop are."""
-SPEED_P: Final = 8.0
-SPEED_I: Final = 24.0
-START: Final = 1.5
-"""Ratio of the PWM at which a motor is taken to start to that which its friction holds."""
-SLOPE: Final = 2.5
-"""Ratio of the PWM's slope to that of the acceleration."""
 TOP_MARGIN: Final = 1.02
 BOUND_MARGIN: Final = 1.14
 """Ratio of the guard's bounds to the limits: ROME's, for the swing of the loop on the board."""
@@ -77,48 +52,23 @@ class OmniSpecification:
     acceleration_mps2: float
     turn_rate_rad_s: float
 
-    @property
-    def full_rad_s(self) -> float:
-        """A wheel's speed at full PWM, without load."""
-        return self.motor.no_load_speed(self.voltage_v) / self.gear
-
-    @property
-    def ticks_a_frame(self) -> float:
-        """Counts in one frame of the loop on the board, at full PWM."""
-        return 4 * self.encoder_lines * self.full_rad_s * self.gear / math.tau / FRAMES_PER_S
-
-
-def board_gains(given: OmniSpecification) -> Mapping[str, int]:
-    """Return the gains of the loop on the board, whole numbers; SpecificationError."""
-    share = TICKS_A_FRAME / given.ticks_a_frame
-    # The loop divides by ko: fine encoders take a greater one, coarse ones greater gains.
-    gains = {"kp": KP, "kd": KD, "ki": 0, "ko": round(KO / share)}
-    if share > 1.0:
-        gains |= {"kp": round(KP * share), "kd": round(KD * share), "ko": KO}
-    if max(gains.values()) > GREATEST_GAIN:
-        raise SpecificationError(
-            f"--encoder-lines {given.encoder_lines}: at full speed {given.ticks_a_frame:.4g} counts in a "
-            f"frame of the board's loop; its gains take {TICKS_A_FRAME / 20:.0f} to {TICKS_A_FRAME * 20:.0f}"
+    def drive(self, number: int) -> AxisDrive:
+        """Return a wheel, from 1."""
+        return AxisDrive(
+            number=number,
+            by_position=False,
+            motor=self.motor,
+            encoder_lines=self.encoder_lines,
+            gear=self.gear,
+            load=self.mass_kg / len(WHEELS) * self.wheel_radius_m**2,
+            voltage_v=self.voltage_v,
+            speed=self.speed_mps / self.wheel_radius_m,
+            acceleration=self.acceleration_mps2 / self.wheel_radius_m,
         )
-    return gains
 
 
 def _must_be_possible(given: OmniSpecification) -> None:
-    low, high = SUPPLY_V
-    if not low <= given.voltage_v <= high:
-        raise SpecificationError(
-            f"--voltage {given.voltage_v:g}: the shield's motor supply is {low:g} to {high:g} V"
-        )
-    if given.motor.kind != "dc":
-        raise SpecificationError(
-            f"--motor: {given.motor.title} has three phases; a shield drives brushed ones"
-        )
-    usable = USABLE_SPEED * given.full_rad_s * given.wheel_radius_m
-    if given.speed_mps > usable:
-        raise SpecificationError(
-            f"{given.speed_mps:g} m/s at a rim; {given.motor.title} behind {given.gear:g} gives {usable:.3g} "
-            "m/s with a load: take a smaller --gear, or less --speed"
-        )
+    shield.check(given.drive(1))
     turning = given.turn_rate_rad_s * given.wheel_distance_m
     if turning > given.speed_mps:
         raise SpecificationError(
@@ -134,13 +84,6 @@ def _paths(given: OmniSpecification) -> str:
         name: math.floor(100.0 * min(1.0, set_point / speed)) / 100.0 for name, speed in FASTEST.items()
     }
     return "\n".join(f"{name} = {max(scale, 0.01):g}" for name, scale in scales.items())
-
-
-def _encoders(protocol: ShieldProtocol) -> str:
-    published = ENCODERS[protocol]
-    if published >= len(WHEELS):
-        return ""
-    return f"encoders = {len(WHEELS)}      # it is published with {published}: flash one with all\n"
 
 
 def _plant(given: OmniSpecification) -> str:
@@ -160,10 +103,7 @@ def _plant(given: OmniSpecification) -> str:
 
 
 def _wheel(given: OmniSpecification, number: int) -> str:
-    name, motor = WHEELS[number], given.motor
-    scale = WHEEL_RAD_S / given.full_rad_s
-    friction_v = motor.friction / motor.torque_constant_nm_a * motor.resistance_ohm
-    acceleration = given.acceleration_mps2 / given.wheel_radius_m
+    name, drive = WHEELS[number], given.drive(number + 1)
     return f"""
 [[axes]]
 name = "{name}"
@@ -171,35 +111,21 @@ title = "wheel at {120 * number} degrees"
 role = "wheel_{name}"
 link = "board"
 command = "speed"
-top_speed = {TOP_MARGIN * given.speed_mps / given.wheel_radius_m:.6g}
+top_speed = {TOP_MARGIN * drive.speed:.6g}
 ratio = {given.gear!r}
 direction = 1                   # -1 where forwards turns the base clockwise
 unpowered = "holds"             # assumed: on a level floor the gear keeps it
-plausibility = {{ speed = {0.065 * given.full_rad_s:.3g}, lag_ms = 300 }}
+plausibility = {shield.plausibility(drive)}
 
 [axes.settings]
-port = {number + 1}                        # M{number + 1}
-device = "motor-shield-v2"
-motor = "{motor.title}"
-encoder_pins = [{ENCODER_PINS[number][0]}, {ENCODER_PINS[number][1]}]
-counts_per_turn = {4 * given.encoder_lines}
-full_speed_rpm = {given.full_rad_s * given.gear * RPM:.6g}
-slope_pwm_s = {SLOPE * FULL_PWM * acceleration / given.full_rad_s:.4g}
-acceleration = {acceleration:.6g}
-continuous_current_ma = {min(CONTINUOUS_MA, round(1000.0 * motor.continuous_current_a))}
-peak_current_ma = {PEAK_MA}
-regulator = {{ p = {SPEED_P * scale:.3g}, i = {SPEED_I * scale:.3g}, \
-start = {START * FULL_PWM * friction_v / given.voltage_v:.3g} }} # without a loop on the board
-"""
+{shield.axis_lines(drive)}"""
 
 
 def robot_file(given: OmniSpecification) -> str:
     """Return the robot file's text; SpecificationError."""
     _must_be_possible(given)
-    gains = ", ".join(f"{key} = {value}" for key, value in board_gains(given).items())
     radius, distance = given.wheel_radius_m, given.wheel_distance_m
     ahead, turns = radius / math.sqrt(3.0), radius / (3.0 * distance)
-    cycle = max(50, CYCLES_MS[given.protocol])
     return f"""\
 # {given.name}: an omni base. `firmware-bridge robots FILE` checks this file, `bench FILE` drives it.
 # Check each number before the real base moves; gains are ROME's, scaled to this motor and encoder (assumed).
@@ -209,15 +135,10 @@ kind = "rome"
 title = "{given.name}: three omni wheels on a motor shield"
 source = "its maker"
 
-cycle_ms = {cycle}
+cycle_ms = {shield.cycle_ms(given.protocol)}
 
 [links.board]
-driver = "motor-shield"
-protocol = "{given.protocol.value}"
-{_encoders(given.protocol)}\
-silent_ms = {8 * cycle}                 # the bridge stops the base after this silence of the board
-gains = {{ {gains} }} # of the loop on the board
-
+{shield.link_lines(given.drive(1), given.protocol, len(WHEELS))}
 [geometry.base]
 wheel_radius_m = {radius!r}
 wheel_distance_m = {distance!r}         # from a wheel to the middle

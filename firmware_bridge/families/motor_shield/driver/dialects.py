@@ -99,12 +99,17 @@ class Ros(Dialect):
 
     on_board = True
 
+    @property
+    def _ports(self) -> Numbers:
+        """The terminals of which the firmware has a motor each, used or not."""
+        return tuple(range(1, max(*(motor.port for motor in self.motors), self.link.counted) + 1))
+
     def reader(self) -> LineReader:
         """Return what finds lines."""
         return LineReader()
 
     def _say(self, what: str, letter: str, numbers: Numbers = (), **more: Any) -> BoardMessage:
-        count = len(self.motors)
+        count = len(self._ports)
         line = ros.encode(letter, numbers, count)
         return BoardMessage(what, line, lambda answer: ros.decode(letter, answer, count), **more)
 
@@ -121,12 +126,12 @@ class Ros(Dialect):
 
     def encoders(self) -> Iterator[BoardMessage]:
         """Ask for all counts at once."""
-        numbers = tuple(motor.port for motor in self.motors)
+        numbers = self._ports
         yield self._say("counts", "e", answer=12 * len(numbers) + 1, counts=numbers)
 
     def drive(self, wanted: Mapping[int, int], _directions: Mapping[int, int]) -> Iterator[BoardMessage]:
         """Send all speeds, also unchanged ones: the board stops when it receives nothing."""
-        speeds = tuple(wanted[motor.port] for motor in self.motors)
+        speeds = tuple(wanted.get(port, 0) for port in self._ports)
         return iter((self._say("speeds", "m", speeds, answer=4, writes=CHANNELS * len(speeds)),))
 
     def release(self, _motors: Iterable[int]) -> Iterator[BoardMessage]:

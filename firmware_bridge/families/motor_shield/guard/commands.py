@@ -48,6 +48,11 @@ class Board(NamedTuple):
     motors: tuple[int, ...]
     libraries: tuple[str, ...]
 
+    @property
+    def terminals(self) -> int:
+        """Number of motors that ros_arduino_bridge is built for: it takes a word for each, used or not."""
+        return max(*self.motors, self.link.counted)
+
 
 Reader: TypeAlias = Callable[[bytes, Board], ListedCommand | None]
 NOTHING: Final = ListedCommand()
@@ -68,7 +73,7 @@ def _ros(data: bytes, board: Board) -> ListedCommand | None:
     if data in {ros.encode("r"), ros.encode("u", (gains.kp, gains.kd, gains.ki, gains.ko))}:
         return AT_STANDSTILL
     words = rest.split(" ")
-    if len(words) != len(board.motors) or not all(_is_number(word) for word in words):
+    if len(words) != board.terminals or not all(_is_number(word) for word in words):
         return None
     speeds = tuple(map(int, words))
     # Encoded again and compared: the sketch parses leniently, so another spelling may be another speed to it.
@@ -76,7 +81,10 @@ def _ros(data: bytes, board: Board) -> ListedCommand | None:
         return None
     if not any(speeds):
         return ListedCommand(dict.fromkeys(board.motors, Inputs(0, in1=False, in2=False)))
-    return ListedCommand({motor: _signed(speed) for motor, speed in zip(board.motors, speeds, strict=True)})
+    drives = {port: _signed(speed) for port, speed in enumerate(speeds, start=1) if port in board.motors}
+    # A motor that is no axis of the robot must not move: nothing reports it.
+    unused = (speed for port, speed in enumerate(speeds, start=1) if port not in board.motors)
+    return None if any(unused) else ListedCommand(drives)
 
 
 def _is_number(word: str) -> bool:
@@ -190,7 +198,7 @@ def no_motion(motor: int, board: Board) -> Iterator[bytes]:
     """
     protocol = board.link.protocol
     if protocol is ShieldProtocol.ROS_ARDUINO_BRIDGE:
-        yield ros.encode("m", (0,) * len(board.motors), len(board.motors))
+        yield ros.encode("m", (0,) * board.terminals, board.terminals)
     elif protocol is ShieldProtocol.ARDUINOIO:
         yield arduinoio.encode("A", motor, 0)
     elif protocol is ShieldProtocol.MW:
