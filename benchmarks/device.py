@@ -18,12 +18,11 @@ from itertools import count, cycle, islice
 from pathlib import Path
 from typing import Final
 
-from benchmarks import new_stations
+from benchmarks import foreign_stations
 from benchmarks.drives import BIT_RATE, crowd, only_sync
 from benchmarks.measure import both_clocks, interleaved, processor_seconds, show
 from emulators.canopen.sdo_server import SdoServer
 from emulators.epos2.drive import Epos2
-from emulators.epos2.single import QUADCOUNTS
 from emulators.servo.axis import ServoAxis
 from emulators.wires import CanWire
 from emulators.world import World
@@ -34,8 +33,10 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from hil_tests.unit.servo.side_by_side import PLANT, compiled
 
+QUADCOUNTS: Final = 2_000
+"""Edges of the encoder in one turn."""
 REQUESTS: Final = 20_000
-OBJECTS: Final = tuple(Address(index) for index in new_stations.INDEXES)
+OBJECTS: Final = tuple(Address(index) for index in foreign_stations.INDEXES)
 ROUND_TRIPS: Final = 2_000
 FRAMES: Final = 40_000
 FILLED: Final[Nanoseconds] = 5 * SECOND
@@ -45,7 +46,7 @@ LEAST_REQUESTS: Final = 100_000
 LEAST_FRAMES: Final = 100_000
 LEAST_TIMES: Final = 50
 MISSING: Final = "not installed"
-NAMES: Final = ("ours", *new_stations.SERVERS)
+NAMES: Final = ("ours", *foreign_stations.SERVERS)
 
 Served = Callable[[bytes], bytes | None]
 """A request's bytes in, the answer's bytes out."""
@@ -75,7 +76,7 @@ KINDS: Final = (
 
 def drive() -> Epos2:
     """Return a whole drive, with every object and hook that it has."""
-    return Epos2(new_stations.NODE, ServoAxis("motor", QUADCOUNTS))
+    return Epos2(foreign_stations.NODE, ServoAxis("motor", QUADCOUNTS))
 
 
 def served_often(served: Served, kind: Kind) -> Callable[[], None]:
@@ -95,7 +96,7 @@ def whole_drive() -> Served:
     node.wake(0)
 
     def served(request: bytes) -> bytes | None:
-        reaction = node.receive(Packet(CAN, cia301.SDO_REQUEST + new_stations.NODE, request), next(now))
+        reaction = node.receive(Packet(CAN, cia301.SDO_REQUEST + foreign_stations.NODE, request), next(now))
         return reaction.sent[0].payload if reaction.sent else None
 
     return served
@@ -114,10 +115,10 @@ def beside(ours: Served, makers: Mapping[str, Callable[[], Served]]) -> dict[str
 
 def pure_server() -> bool:
     """Compare servers and nodes without a bus; whether ours is as fast as it is meant to be."""
-    servers = beside(SdoServer(drive().store).answer, new_stations.SERVERS)
+    servers = beside(SdoServer(drive().store).answer, foreign_stations.SERVERS)
     rates = {f"server: {kind.name}": rates_of(kind, servers) for kind in KINDS}
     slowest = min(row["ours"] for row in rates.values())
-    rates["whole node: read a number"] = rates_of(KINDS[0], beside(whole_drive(), new_stations.WHOLE))
+    rates["whole node: read a number"] = rates_of(KINDS[0], beside(whole_drive(), foreign_stations.WHOLE))
     show(
         "SDO without a bus: bytes of a request in, bytes of the answer out; requests a second",
         ("request", *NAMES),
@@ -133,12 +134,12 @@ class Client:
 
     def __init__(self) -> None:
         self.answers = 0
-        self._request = Packet(CAN, cia301.SDO_REQUEST + new_stations.NODE, KINDS[0].requests[0])
+        self._request = Packet(CAN, cia301.SDO_REQUEST + foreign_stations.NODE, KINDS[0].requests[0])
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Count an answer, and ask."""
         del now
-        if packet.address != cia301.SDO_RESPONSE + new_stations.NODE:
+        if packet.address != cia301.SDO_RESPONSE + foreign_stations.NODE:
             return Reaction((), SECOND)
         self.answers += 1
         return Reaction((self._request,))
@@ -157,9 +158,9 @@ def round_trips() -> bool:
     before = client.answers
     spent = {"ours": both_clocks(partial(world.run, 4 * SECOND))}
     rates = {"ours": [(client.answers - before) / each for each in spent["ours"]]}
-    for name, make in new_stations.NODES.items():
+    for name, make in foreign_stations.NODES.items():
         if installed(name):
-            run = new_stations.round_trips(make, KINDS[0].requests[0], ROUND_TRIPS)
+            run = foreign_stations.round_trips(make, KINDS[0].requests[0], ROUND_TRIPS)
             rates[name] = [ROUND_TRIPS / each for each in both_clocks(run)]
     rows = []
     for place, clock in enumerate(("of the processor's time", "of the wall's time")):
@@ -225,7 +226,7 @@ def frames() -> bool:
         rate = (wire.frames - before) / spent
         best = max(best, rate)
         rows.append([f"timed bus: {talkers} sending, all receive", reported(rate)])
-    rate = FRAMES / processor_seconds(partial(new_stations.frames, FRAMES))
+    rate = FRAMES / processor_seconds(partial(foreign_stations.frames, FRAMES))
     rows.append(["python-can's virtual bus, untimed: one sends, one receives", reported(rate)])
     show("CAN frames a second of the processor's time", ("bus", "frames/s"), rows)
     return best >= LEAST_FRAMES
