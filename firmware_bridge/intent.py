@@ -138,6 +138,16 @@ Request: TypeAlias = (
 )
 
 
+FORCED_DISARM: Final = "forced disarm"
+OF_ANYONE: Final = frozenset({EmergencyStop, FORCED_DISARM})
+"""Kinds of requests that are obeyed of a station that is not in control: each is an emergency stop there."""
+
+
+def kind_of(request: Request) -> Any:
+    """Return what a request is, in tables of requests: its class, or `FORCED_DISARM`."""
+    return FORCED_DISARM if isinstance(request, Disarm) and request.force else type(request)
+
+
 @dataclass(frozen=True, slots=True)
 class Answer:
     """The bridge's answer to a request, with the reason for people."""

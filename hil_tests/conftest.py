@@ -15,6 +15,7 @@ from typing import Final
 import pytest
 
 import hil_tests.lanes  # noqa: F401 - what Hypothesis draws
+from hil_tests import invariants
 from hil_tests import rows as tables
 
 pytest.register_assert_rewrite("emulators.testing.inherited.test_robot")
@@ -32,6 +33,7 @@ ON_DEMAND: Final = ("platforms", "avr", "installed", "released")
 
 def pytest_configure(config: pytest.Config) -> None:
     tables.configure(config)
+    invariants.install()
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:

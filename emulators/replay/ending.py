@@ -4,13 +4,13 @@ import re
 from pathlib import Path
 from typing import Final
 
-from firmware_bridge.bridge.bridge import Phase
+from firmware_bridge.bridge import Life
 from firmware_bridge.recording import EPOCH
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 
 _EVENT: Final = re.compile(r"\((\d+)\.(\d{6})\) +(\d+)\.(\d{3}) s  (.*)")
 """Line of events.log: time of writing, time of the event by the bridge's clock, and text."""
-ENDING: Final = {Phase.STOPPING.value, Phase.LEAVING.value}
+ENDING: Final = {Life.STOPPING.value, Life.LEAVING.value}
 _ROUNDED: Final = 2 * MILLISECOND
 """Allowance for the bridge's times there: whole milliseconds, and logged a little later."""
 

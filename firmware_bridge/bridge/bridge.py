@@ -8,18 +8,19 @@ standstill, or at the end power off, is stopped by further stop stages.
 """
 
 from collections.abc import Mapping
-from enum import Enum
 from typing import Final
 
 from firmware_bridge.bridge.all_drivers import AllDrivers
 from firmware_bridge.bridge.confirmed_at_start import ConfirmedAtStart
+from firmware_bridge.bridge.joint_state import Event, Life
+from firmware_bridge.bridge.orders import ALREADY_OFF, order_of
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.pipeline import Pipeline
 from firmware_bridge.bridge.stops import AxisStop
 from firmware_bridge.drivers.all_drivers import all_drivers_of
 from firmware_bridge.drivers.driver import Stop
 from firmware_bridge.drivers.life_cycle import Task, Transition
-from firmware_bridge.intent import Answer, ConfirmPosition, Disarm, EmergencyStop, Request
+from firmware_bridge.intent import Answer, ConfirmPosition, Request
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
@@ -44,20 +45,6 @@ ENDING: Final = "the bridge is ending; only an emergency stop or a forced disarm
 STARTING: Final = InterlockBase("starting", "wait")
 ENDS: Final = InterlockBase("ending", "start the bridge again", severity=Severity.NOTICE)
 FAILED: Final = InterlockBase("start-up failed", "correct it and start the bridge again")
-
-
-class Phase(Enum):
-    """Phase of the bridge's life."""
-
-    STARTING = "starting"
-    RUNNING = "running"
-    FAILED = "failed"
-    """Start-up failed: the drives are without power, the operator is informed of the reason."""
-    STOPPING = "stopping"
-    """The robot ramps to standstill."""
-    LEAVING = "leaving"
-    """Power goes off, and then the drives' watch over the bridge ends."""
-    FINISHED = "finished"
 
 
 class Bridge:
@@ -118,19 +105,19 @@ class Bridge:
         self._leave_until: Nanoseconds = NEVER
         self._left: set[str] | None = None
         """The axes that did not confirm that they are without power; None while they are not known."""
-        self.phase = Phase.STARTING
+        self.phase = Life.STARTING
         self.failure: str | None = None
         """The reason why start-up failed, one line for each drive; None where it did not."""
 
     @property
     def finished(self) -> bool:
         """True where the orderly end is over and the carrier may drop the node."""
-        return self.phase is Phase.FINISHED
+        return self.phase is Life.FINISHED
 
     @property
     def holding(self) -> bool:
         """True after a command to end, while it keeps a robot from moving until a second one."""
-        return self.phase is Phase.STOPPING and self._permission.power_down.held
+        return self.phase is Life.STOPPING and self._permission.power_down.held
 
     @property
     def not_acknowledged(self) -> tuple[str, ...]:
@@ -174,7 +161,7 @@ class Bridge:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take a packet of a link, or an operator's datagram."""
-        if self.phase is Phase.FINISHED:
+        if self.phase is Life.FINISHED:
             return self._reaction(now)
         if packet.link != OPERATOR:
             self._outbox += (self._all_drivers.receive(packet, now) or ()) + self._pipeline.follow(now)
@@ -184,7 +171,7 @@ class Bridge:
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Act on the time; the first call starts the bridge."""
-        if self.phase is not Phase.FINISHED:
+        if self.phase is not Life.FINISHED:
             if self._cycle_at is None:
                 self._cycle_at = self._began_at = now
                 self._listens_until = now + self._all_drivers.listens_for
@@ -202,17 +189,17 @@ class Bridge:
             if now < self._requested_at + SECOND_REQUEST_WITHIN:
                 self._permission.order_off(now)
             self._requested_at = now
-        elif self.phase is Phase.RUNNING:
-            self._permission.armed = False
+        elif self.phase is Life.RUNNING:
+            self._permission.happens(Event.DISARM)
             self._outbox += self._permission.stops.order()
             self._outbox += self._permission.end_start_ups(now)
             self._collect_until = NEVER
             self._standstill_until = now + STANDSTILL_WITHIN
-            self.phase = Phase.STOPPING
+            self.phase = Life.STOPPING
         elif self._all_drivers.task is None:
             # It has sent nothing to any device, and leaves them as they are.
-            self.phase = Phase.FINISHED
-        elif self.phase in (Phase.STARTING, Phase.FAILED):
+            self.phase = Life.FINISHED
+        elif self.phase in (Life.STARTING, Life.FAILED):
             self._leave(now)
         return self._reaction(now)
 
@@ -237,7 +224,7 @@ class Bridge:
             self._synchronized_at = now
             self._outbox += self._all_drivers.sample(self._cycles, now)
         self._cycles += 1
-        if self.phase is Phase.RUNNING:
+        if self.phase is Life.RUNNING:
             self._collect_until = now + self._all_drivers.answers_within()
             self._release_at = now + self._cycle // 2
             self._outbox += self._all_drivers.measure(now)
@@ -245,10 +232,10 @@ class Bridge:
                 self._confirmed.wait()
             else:
                 self._confirmed.confirm(lambda request: self._pipeline.decide(request, now), now)
-        elif self.phase is Phase.STOPPING:
+        elif self.phase is Life.STOPPING:
             self._come_to_standstill(now)
         else:
-            if self.phase is not Phase.STARTING and self._all_drivers.task is not None:
+            if self.phase is not Life.STARTING and self._all_drivers.task is not None:
                 self._disable_unconfirmed(now)
             self._outbox += self._pipeline.reported(
                 (self._waiting(now), *self._permission.interlock_events), now
@@ -257,12 +244,12 @@ class Bridge:
     def _reaction(self, now: Nanoseconds) -> Reaction:
         """Carry on what the newest packet or instant made possible, and hand out what is to be sent."""
         listened = self._cycle_at is not None and now >= self._listens_until
-        if self.phase is Phase.STARTING and listened and not self._all_drivers.busy:
+        if self.phase is Life.STARTING and listened and not self._all_drivers.busy:
             self._start_up(now)
         elif self._collect_until != NEVER and self._all_drivers.sampled(self._synchronized_at):
             self._collect_until = NEVER
             self._run(now)
-        elif self.phase is Phase.LEAVING and self._left is None:
+        elif self.phase is Life.LEAVING and self._left is None:
             self._disable_unconfirmed(now)
         wake_at = self._wake_at()
         if not self._outbox:
@@ -274,9 +261,9 @@ class Bridge:
         return Reaction(sent, wake_at)
 
     def _wake_at(self) -> Nanoseconds:
-        if self.phase is Phase.FINISHED or self._cycle_at is None:
+        if self.phase is Life.FINISHED or self._cycle_at is None:
             return NEVER
-        if self.phase is Phase.FAILED and self._all_drivers.task is None:
+        if self.phase is Life.FAILED and self._all_drivers.task is None:
             return self._cycle_at
         first = min(self._cycle_at, self._collect_until)
         first = min(first, self._release_at)
@@ -284,7 +271,7 @@ class Bridge:
         return min(first, self._all_drivers.wake_at)
 
     def _gate_deadline(self) -> Nanoseconds:
-        return self._pipeline.gate_deadline if self.phase is Phase.RUNNING else NEVER
+        return self._pipeline.gate_deadline if self.phase is Life.RUNNING else NEVER
 
     def _run(self, now: Nanoseconds) -> None:
         """Run the pipeline once, for the samples of this cycle or at a deadline in between."""
@@ -299,23 +286,23 @@ class Bridge:
         permission, failures = self._permission, self._all_drivers.failures
         if failures:
             self.failure = "; ".join(failures)
-            self.phase = Phase.FAILED
+            self.phase = Life.FAILED
             self._begin_to_leave(now)
             return
         sent = self._all_drivers.start(now, permission.rules.without, power=not permission.forbids_power)
         if sent is not None:
             self._outbox += sent
         else:
-            self.phase = Phase.RUNNING
+            self.phase = Life.RUNNING
             self._operator.note(self._all_drivers.remarks)
 
     def _refused(self, now: Nanoseconds) -> bool:
         """Return whether a second controller was received before anything was sent; it stays silent then."""
-        starts = self._all_drivers.task is None and self.phase is Phase.STARTING
+        starts = self._all_drivers.task is None and self.phase is Life.STARTING
         if starts and (masters := self._all_drivers.masters(now)):
             self.failure = "; ".join(f"link '{name}': {what}" for name, what in masters.items())
-            self.phase = Phase.FAILED
-        return self._all_drivers.task is None and self.phase is Phase.FAILED
+            self.phase = Life.FAILED
+        return self._all_drivers.task is None and self.phase is Life.FAILED
 
     def _come_to_standstill(self, now: Nanoseconds) -> None:
         (commanded, at_standstill), permission = self._pipeline.come_to_standstill(now), self._permission
@@ -332,7 +319,7 @@ class Bridge:
             self._leave(now)
 
     def _leave(self, now: Nanoseconds) -> None:
-        self.phase = Phase.LEAVING
+        self.phase = Life.LEAVING
         self._collect_until = self._release_at = NEVER
         self._begin_to_leave(now)
 
@@ -356,8 +343,8 @@ class Bridge:
             for driver in slow:
                 self._outbox += driver.begin(Transition.END, now)
         self._outbox += self._pipeline.disable(self._left, now)
-        if self.phase is Phase.LEAVING and not stops.under_way:
-            self.phase = Phase.FINISHED
+        if self.phase is Life.LEAVING and not stops.under_way:
+            self.phase = Life.FINISHED
 
     def _receive_operator(self, packet: Packet, now: Nanoseconds) -> None:
         permission, drivers = self._permission, self._all_drivers
@@ -365,32 +352,31 @@ class Bridge:
         self._outbox += self._operator.receive(
             packet.payload, now, lambda request: self._decide(request, now), packet.address
         )
-        if self.phase is Phase.RUNNING and permission.emergency_stopped and not stopped:
+        if self.phase is Life.RUNNING and permission.emergency_stopped and not stopped:
             self._outbox += permission.end_start_ups(now)
             self._run(now)
-        elif permission.forbids_power and self.phase is Phase.STARTING and drivers.task is Task.ENABLE:
+        elif permission.forbids_power and self.phase is Life.STARTING and drivers.task is Task.ENABLE:
             # That ends activating, and the start-up goes on without it.
             self._outbox += drivers.command_all(Stop.POWER_OFF)
 
     def _decide(self, request: Request, now: Nanoseconds) -> Answer:
-        stops = isinstance(request, EmergencyStop) or (isinstance(request, Disarm) and request.force)
-        if isinstance(request, Disarm) and stops and self.phase in (Phase.FAILED, Phase.LEAVING):
-            # The drives are on their way there, and a set-point would end it.
-            return Answer(accepted=True, reason="disarmed by force: the power is being disabled already")
-        if self.phase is Phase.RUNNING or stops:
-            answer = self._pipeline.decide(request, now)
-            if self._all_drivers.task is None:
-                # It is remembered: no power comes on. Nothing is sent to the devices while it only listens.
-                self._outbox[:] = [packet for packet in self._outbox if packet.link == OPERATOR]
-            return answer
-        reason, temporary = self._waiting(now).reason, self.phase is Phase.STARTING
-        return Answer(accepted=False, reason=reason, temporary=temporary)
+        order = order_of(request)
+        if self.phase in order.going_off:
+            return ALREADY_OFF
+        if self.phase not in order.lives:
+            reason, temporary = self._waiting(now).reason, self.phase is Life.STARTING
+            return Answer(accepted=False, reason=reason, temporary=temporary)
+        answer = self._pipeline.decide(request, now)
+        if self._all_drivers.task is None:
+            # It is remembered: no power comes on. Nothing is sent to the devices while it only listens.
+            self._outbox[:] = [packet for packet in self._outbox if packet.link == OPERATOR]
+        return answer
 
     def _waiting(self, now: Nanoseconds) -> ActiveInterlock:
         """Say why nothing moves before the drives are ready, or after they failed."""
         if self.failure is not None:
             return ActiveInterlock(FAILED.name, self.failure, FAILED, self._began_at)
-        if self.phase is not Phase.STARTING:
+        if self.phase is not Life.STARTING:
             again = self._requested_at <= now < self._requested_at + SECOND_REQUEST_WITHIN
             return ActiveInterlock(ENDS.name, HELD if again else ENDING, ENDS, self._began_at)
         task, waiting = self._all_drivers.task, [driver.axis.title for driver in self._all_drivers.busy]

@@ -3,7 +3,6 @@
 from typing import Any, Final
 
 from firmware_bridge.bridge.permission import Permission
-from firmware_bridge.intent import Answer
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_type import AnyPathFollower, AnyRobotType
 from firmware_bridge.safety.snapshot import AnySnapshot, Snapshot
@@ -52,17 +51,18 @@ class Guide:
             located=known.located,
         )
 
-    def follow(self, name: str) -> Answer:
+    def unknown(self, name: str) -> str | None:
+        """Return why there is no path follower of this name; None where there is, or it is empty."""
+        if not name or name in self._made:
+            return None
+        return f"this robot has no '{name}'; it has {', '.join(self._made) or 'none'}"
+
+    def follow(self, name: str) -> str:
         """Begin with the path follower of this name; without a name the operator commands again."""
         made = self._made.get(name)
-        if name and made is None:
-            known = ", ".join(self._made) or "none"
-            return Answer(accepted=False, reason=f"path follower: this robot has no '{name}'; it has {known}")
-        if name and not self._permission.armed:
-            return Answer(accepted=False, reason="path follower: arm the robot first")
         self._path_follower = None if made is None else made(self._robot)
         self._command = None
-        return Answer(accepted=True, reason=f"path follower: {name or 'the operator'}")
+        return f"path follower: {name or 'the operator'}"
 
     def leave(self) -> None:
         """Let the operator command again."""

@@ -10,8 +10,11 @@ from typing import Any, Final
 
 from firmware_bridge.bridge.all_drivers import AllDrivers
 from firmware_bridge.bridge.guide import Guide
+from firmware_bridge.bridge.joint_state import Event
 from firmware_bridge.bridge.led_axes import LedAxes
 from firmware_bridge.bridge.locating import Locating, on_floor
+from firmware_bridge.bridge.needs import Instant
+from firmware_bridge.bridge.orders import carry_out, order_of
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.zeros import Zeros
 from firmware_bridge.drivers.driver import Feedback, Level, SetPoint, Stop
@@ -21,9 +24,7 @@ from firmware_bridge.intent import (
     Arm,
     ChangeDriver,
     ConfirmPosition,
-    Follow,
     Request,
-    ResetOdometry,
 )
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
@@ -177,29 +178,30 @@ class Pipeline:
             raise ValueError(refused)
 
     def decide(self, request: Request, now: Nanoseconds) -> Answer:
-        """Answer one request of the operator."""
-        if isinstance(request, ResetOdometry):
-            return Answer(accepted=True, reason=self._locating.begin_again())
-        if isinstance(request, Follow):
-            return self._guide.follow(request.path_follower)
-        if isinstance(request, ChangeDriver):
-            self._guide.leave()
-            self._permission.neutral_required = True
-            self._operator.take_returned_to_neutral()  # the neutral stick was another station's
-            self._permission.homing.ordered(request)
-            return Answer(accepted=True, reason="")
-        if isinstance(request, Arm):
-            self._operator.take_returned_to_neutral()  # that was before
-        known = self.known(now)
+        """Answer one request of the operator by its row."""
+        if isinstance(request, Arm | ChangeDriver):
+            # A stick that was neutral before, or another station's, does not count.
+            self._operator.take_returned_to_neutral()
+        order, known = order_of(request), self.known(now)
+        events: tuple[ActiveInterlock, ...] = ()
+        if order.judged:
+            events = self._gate.rule(known).interlock_events
         if isinstance(request, ConfirmPosition):
-            refused = self._zeros.refuses(request)
-            if refused is not None:
-                return Answer(accepted=False, reason=refused)
-            events = self._against(request.axis, self._gate.rule(known).interlock_events)
-            return self._permission.set_zero(*self._zeros.place(request), known, events)
-        events = self._gate.rule(known).interlock_events
-        self._permission.part(events, self._gate.clearing)
-        return self._permission.decide(request, known, events)
+            events = self._against(request.axis, events)
+        else:
+            self._permission.part(events, self._gate.clearing)
+        self._permission.ordered(request)
+        instant = Instant(
+            title=order.title,
+            request=request,
+            seen=known,
+            events=events,
+            permission=self._permission,
+            zeros=self._zeros,
+            guide=self._guide,
+            locating=self._locating,
+        )
+        return carry_out(order, instant)
 
     def known(self, now: Nanoseconds) -> AnySnapshot:
         """Return everything known now."""
@@ -246,11 +248,11 @@ class Pipeline:
     def _lapse(self, now: Nanoseconds) -> None:
         """Let no one drive where the driver is lost and the robot at standstill; the next one arms again."""
         if self._permission.rules.at_standstill(self.seen) and self._operator.lapse(now):
-            self._permission.armed = False
+            self._permission.happens(Event.DISARM)
 
     def _against(self, axis: str, events: tuple[ActiveInterlock, ...]) -> tuple[ActiveInterlock, ...]:
         """Return the interlock events that stop an axis."""
-        group = self._group_of[axis]
+        group = self._group_of.get(axis)
         return tuple(one for one in events if one.interlock.stops is None or group in one.interlock.stops)
 
     def _watch_homing(self, events: tuple[ActiveInterlock, ...], facts: Facts) -> None:

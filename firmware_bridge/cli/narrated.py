@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final, TypeAlias
 
-from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.bridge import Bridge, Life
 from firmware_bridge.cli.leaving import Leaving
 from firmware_bridge.cli.remembered import Remembered
 from firmware_bridge.node import Node, Stoppable, holds
@@ -47,7 +47,7 @@ class Narrated:
         self._keeping_failed = False
         self._node = node
         self._print = say
-        self._phase: Phase | None = None
+        self._phase: Life | None = None
         self._armed = False
         self._late = 0
         self._late_reported_at: Nanoseconds = 0
@@ -94,7 +94,7 @@ class Narrated:
         if failure is not None:
             raise failure
         bridge = self._bridge
-        if bridge.failure is not None and bridge.phase is Phase.FAILED:
+        if bridge.failure is not None and bridge.phase is Life.FAILED:
             hints = list(self._hints.values())
             # Without any traffic the hints are all there is to report.
             texts = hints if self._alone else [bridge.failure, *hints]
@@ -122,9 +122,9 @@ class Narrated:
         if bridge.phase is not self._phase:
             self._phase = bridge.phase
             self._say(self._phase.value, now)
-            for remark in bridge.all_drivers.remarks if self._phase is Phase.RUNNING else ():
+            for remark in bridge.all_drivers.remarks if self._phase is Life.RUNNING else ():
                 self._say(remark, now)
-            if self._phase is Phase.FINISHED and bridge.not_acknowledged and not self._alone:
+            if self._phase is Life.FINISHED and bridge.not_acknowledged and not self._alone:
                 self._say(not_confirmed(bridge), now)
         self._keep(now)
         problem = self._stamps.keep(bridge.operator.stamps, now, ended=bridge.finished)
@@ -137,10 +137,10 @@ class Narrated:
             self._say(f"late: {late - self._late} cycles were longer than the robot file allows", now)
             self._late, self._late_reported_at = late, now
         # A failure is reported at the end, and phases are not worth a report without a reader.
-        ends = bridge.phase not in (Phase.STARTING, Phase.RUNNING)
+        ends = bridge.phase not in (Life.STARTING, Life.RUNNING)
         if (
             bridge.interlock_events != self._shown
-            and bridge.phase is not Phase.FAILED
+            and bridge.phase is not Life.FAILED
             and not (ends and self._alone)
         ):
             self._show_interlocks({event.name: event for event in bridge.interlock_events}, now)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final, TypeAlias
 
 from firmware_bridge.intent import (
+    OF_ANYONE,
     Answer,
     Arm,
     ChangeDriver,
@@ -15,6 +16,7 @@ from firmware_bridge.intent import (
     Pause,
     Request,
     ResetOdometry,
+    kind_of,
 )
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.teleop.control import Sender
@@ -152,7 +154,7 @@ class Exchange:
     def _refused(self, request: Request) -> Answer | None:
         """Refuse a request of a station not in control, or one too late; stops are not refused."""
         if self.refusal is not None:
-            return None if _stops(request) else Answer(accepted=False, reason=self.refusal)
+            return None if kind_of(request) in OF_ANYONE else Answer(accepted=False, reason=self.refusal)
         late = None if isinstance(request, STOPS) else self.late
         if late is None:
             return None
@@ -381,8 +383,3 @@ class Exchange:
         """Say why a motion command is refused."""
         self.session.dropped.refused += 1
         self.warn(unusable.key, f"{self.message.get_type()} refused: {unusable.reason}")
-
-
-def _stops(request: Request) -> bool:
-    """Return whether it is an emergency stop: stations send the forced disarm as one, too."""
-    return isinstance(request, EmergencyStop) or (isinstance(request, Disarm) and request.force)

@@ -1,14 +1,14 @@
 """The adversary finds nothing; and what it is there to find, it finds, and shrinks to what matters."""
 
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import pytest
 
 from emulators.bench import mission as missions
 from emulators.bench.bench_setup import bench_setup_of
+from firmware_bridge.bridge.joint_state import Event
 from firmware_bridge.bridge.permission import Permission
-from firmware_bridge.intent import Answer
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
 from hil_tests.adversary.__main__ import main
@@ -130,13 +130,15 @@ def test_an_arm_that_is_reported_too_much_loses_its_steps() -> None:
     assert found.violation.name == "steps lost"
 
 
-def not_receiving(*_: Any, **__: Any) -> Answer:
-    return Answer(accepted=True, reason="emergency stop: it stays until it is cleared")
-
-
 @pytest.mark.interpreted
 def test_an_emergency_stop_that_does_nothing_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Permission, "_stop", not_receiving)
+    happens = Permission.happens
+
+    def no_stop(permission: Permission, event: Event) -> None:
+        if event is not Event.STOP:
+            happens(permission, event)
+
+    monkeypatch.setattr(Permission, "happens", no_stop)
     one = search(find("diff_drive"), HONEST)
     found = next(found for found, _ in map(one.looked, (44,)) if found is not None)
     assert found.violation.name == "motion with power that may not be"

@@ -12,7 +12,7 @@ from typing import Final
 from emulators.bench.columns import Sample, motor_speed
 from emulators.epos2.drive import Epos2
 from emulators.rig import BRIDGE, SECOND_BRIDGE, Rig
-from firmware_bridge.bridge import Phase
+from firmware_bridge.bridge import Life
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.families.ar2.settings import Ar2Link
 from firmware_bridge.families.epos2.settings import Epos2Link
@@ -139,7 +139,7 @@ class Truth:
         drives = rig.devices.nodes(Epos2)
         unwatched = {name for name in powered if name in self._watching and not _watch(drives[name])}
         bridge, alive = rig.bridge, rig.world.here(BRIDGE)
-        ending = alive and bridge.phase in (Phase.STOPPING, Phase.LEAVING) and not bridge.holding
+        ending = alive and bridge.phase in (Life.STOPPING, Life.LEAVING) and not bridge.holding
         gone = not alive or bridge.finished
         alone = gone and not rig.world.here(SECOND_BRIDGE)
         rolled = self._rolled(row, powered)

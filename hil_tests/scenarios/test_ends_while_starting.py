@@ -7,7 +7,7 @@ import pytest
 from emulators.epos2.drive import Epos2
 from emulators.rewind import Checkpoint
 from emulators.wires import DatagramWire
-from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.bridge import Bridge, Life
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.node import OPERATOR
@@ -38,7 +38,7 @@ def assert_left(one: Ride, found: set[NmtState], when: str) -> None:
 def instants(one: Ride, bridge: Bridge) -> list[Checkpoint]:
     """Keep every millisecond of the start-up in which some frame was on the bus."""
     kept, frames = [], -1
-    while bridge.phase is Phase.STARTING:
+    while bridge.phase is Life.STARTING:
         if one.rig.can_wire.frames != frames:
             frames = one.rig.can_wire.frames
             kept.append(one.rig.snapshot())

@@ -14,7 +14,7 @@ from emulators.epos2.family import MaxonSerialLine
 from emulators.rig import BRIDGE
 from emulators.robots.rars import BENCH_SETUP
 from emulators.run import RunOrder, drive
-from firmware_bridge.bridge import Phase
+from firmware_bridge.bridge import Life
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia301 import NmtCommand
@@ -268,7 +268,7 @@ def test_a_drive_that_does_not_notice_the_bridge_s_silence_is_not_driven(
     one = rides(ARMED, seconds=8, robot=USB)
     one.runs_until(3)
     bridge = one.rig.bridge
-    assert bridge.phase is Phase.FAILED
+    assert bridge.phase is Life.FAILED
     assert bridge.failure is not None
     assert "node 1 (left rear wheel): it did not notice that node 2 was silent" in bridge.failure
     assert PowerState.OPERATION_ENABLED not in states(one)

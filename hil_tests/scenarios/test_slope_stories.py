@@ -7,7 +7,7 @@ import pytest
 
 from emulators.epos2.drive import Epos2
 from emulators.robots.rars import RarsStep as Step
-from firmware_bridge.bridge import Phase
+from firmware_bridge.bridge import Life
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
@@ -224,14 +224,14 @@ def test_ctrl_c_on_a_slope_holds_and_a_second_one_within_5_s_lets_go(
     one.ends()
     one.runs_until(STOPPED_S + 6.0)
     bridge = one.rig.bridge
-    assert bridge.phase is Phase.STOPPING
+    assert bridge.phase is Life.STOPPING
     assert one.rig.guard.holding
     assert states(one) == {PowerState.QUICK_STOP_ACTIVE}
     assert went(one, STOPPED_S) < 0.001
     assert "held with power" in one.holding
     one.ends()
     one.runs(0.5)
-    assert bridge.phase is Phase.STOPPING, "more than 5 s after it was first held: it is a first one again"
+    assert bridge.phase is Life.STOPPING, "more than 5 s after it was first held: it is a first one again"
     assert (
         "Ctrl-C within 5 s powers down"
         in {event.name: event.reason for event in bridge.interlock_events}["ending"]
@@ -241,7 +241,7 @@ def test_ctrl_c_on_a_slope_holds_and_a_second_one_within_5_s_lets_go(
     one.ends()
     one.runs(1.0)
     assert bridge.not_acknowledged == ()
-    assert one.rig.bridge.phase is Phase.FINISHED
+    assert one.rig.bridge.phase is Life.FINISHED
     assert not any(powered(one))
     assert {
         device.store.get(od.CONSUMER_HEARTBEAT_1) for device in one.rig.devices.nodes(Epos2).values()

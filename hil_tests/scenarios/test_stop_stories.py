@@ -7,7 +7,7 @@ import pytest
 from emulators.epos2.drive import Epos2
 from emulators.robots.rars import RarsStep as Step
 from emulators.wires import DatagramWire
-from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.bridge import Bridge, Life
 from firmware_bridge.bridge.stops import NOT_ACKNOWLEDGED
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
@@ -218,7 +218,7 @@ def test_a_second_bridge_refuses_to_start_and_states_why(rides: Ridden) -> None:
     one.runs_until(NOT_RECEIVING_S)
     second, sent = second_bridge(one)
     one.runs_until(NOT_RECEIVING_S + 1.0)
-    assert second.phase is Phase.FAILED
+    assert second.phase is Life.FAILED
     assert second.failure is not None
     assert second.failure.startswith("link 'drives': someone else sends ")
     one.rig.world.stop("second")

@@ -13,7 +13,7 @@ An active interlock is reported with its message and its remedy (STATUSTEXT, `ev
 [safety](safety.md) has thresholds and effects. A dash: the cause gives the message."""
 ORDER_TEXT: Final = """\
 A refused order is answered with COMMAND_ACK and a STATUSTEXT; nothing has changed then. Correct the order, or
-do first what the message names."""
+do first what the message names. What each request needs: [requests](requests.md)."""
 ERROR_TEXT: Final = """\
 These end a command with exit status 2, or 1 where the command's help names it. Options and arguments are
 checked before, and named with their value. Errors of a robot file or a mission come all at once, each with

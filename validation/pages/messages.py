@@ -13,6 +13,8 @@ from typing import Final, NamedTuple
 ROOT: Final = Path(__file__).parents[2]
 PACKAGES: Final = ("firmware_bridge", "emulators", "fmu")
 INTERLOCKS: Final = {"Interlock", "AxisInterlock", "Limit"}
+NEED: Final = "Need"
+"""What a request needs: its second argument returns the refusals."""
 ANSWERS: Final = {"denied", "Answer", "OrderAnswer", "Unusable"}
 ERRORS: Final[Mapping[str, tuple[str, str]]] = {
     "BlackBoxError": ("a recording cannot be written", "free the disk, or choose another folder"),
@@ -42,7 +44,7 @@ ERRORS: Final[Mapping[str, tuple[str, str]]] = {
     "ServoError": ("the servo kernel is missing, or its plant fails", "run `firmware-bridge doctor`"),
     "SilentNodeError": ("no device answers at this address", "check power, cable, address and bit rate"),
     "SketchError": ("a sketch for a board cannot be made", "correct the option that is named"),
-    "SpecificationError": ("an expected value of a study cannot be read", "correct the file that is named"),
+    "SpecificationError": ("what `new` is given makes no robot", "correct the option that is named"),
     "StartupError": ("a bridge cannot start", "correct what is named, and start it again"),
     "StateError": ("a plant's state is not one of its own", "restart the run"),
     "StorageError": ("an emulated drive's memory cannot be kept", "choose another file"),
@@ -122,6 +124,8 @@ def interlocks(module: Module) -> Iterator[Message]:
 def answers(module: Module) -> Iterator[tuple[str, str]]:
     """Yield the refusals of an operator's orders, each with the order."""
     for call in module.calls:
+        if _name(call.func) == NEED:
+            yield from (("any", text) for text in module.returned(_name(call.args[1])))
         if _refuses(call):
             given = [*call.args, *(keyword.value for keyword in call.keywords)]
             text = max(filter(None, map(module.template, given)), key=len, default="")

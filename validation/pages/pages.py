@@ -19,6 +19,7 @@ from validation.pages import (
     faults,
     keys,
     message_page,
+    requests,
     safety,
     serial_commands,
     state_diagram,
@@ -94,6 +95,7 @@ def pages(
         "robot-file.md": _page("Keys of a robot file", *keys.robot_file(table)),
         "mission-file.md": _page("Keys of a mission", *keys.mission_file(table)),
         "ground-stations.md": _stations(),
+        "requests.md": _page(requests.TITLE, *requests.parts(table)),
         "messages.md": _page("Messages, their causes and remedies", *message_page.parts(table)),
     }
 

@@ -8,7 +8,7 @@ from emulators.rewind import Rewind
 from emulators.wires.can import CanWire
 from emulators.wires.datagram import DatagramWire
 from emulators.world import World
-from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.bridge import Bridge, Life
 from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
@@ -112,7 +112,7 @@ class Bench:
 
     def starts(self) -> None:
         self.runs(1.5)
-        assert self.bridge.phase is Phase.RUNNING
+        assert self.bridge.phase is Life.RUNNING
 
     def stands(self, steer_deg: float = 0.0, lift_m: float = 0.0) -> None:
         """Confirm the positions of steering and lift, and let them be taken."""

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.bridge import Bridge, Life
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.canopen_drive.driver.scale import Scale
@@ -182,7 +182,7 @@ def test_the_orderly_end_on_a_dead_bus_takes_no_longer_than_4_s(armed: "Bench") 
         drive.silent = True
     armed.stops()
     armed.runs(4)
-    assert armed.bridge.phase is Phase.FINISHED
+    assert armed.bridge.phase is Life.FINISHED
     # Their watch stays on: no report has confirmed that they powered down.
     assert armed.bridge.not_acknowledged == tuple(drive.axis.called for drive in armed.drives.values())
     written = [payload for node in (1, 2, 3, 4) for _, payload in armed.sent(0x600 + node, begin)]
@@ -198,7 +198,7 @@ def test_a_robot_that_stands_is_not_held_for_drives_that_are_gone(armed: "Bench"
     armed.runs(before_s)
     armed.stops()
     armed.runs(6)
-    assert armed.bridge.phase is Phase.FINISHED
+    assert armed.bridge.phase is Life.FINISHED
     assert armed.bridge.not_acknowledged == tuple(drive.axis.called for drive in armed.drives.values())
 
 

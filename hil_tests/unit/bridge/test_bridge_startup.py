@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.bridge import Bridge, Life
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.abort import AbortCode
 from firmware_bridge.canopen.address import Address
@@ -87,7 +87,7 @@ def test_nothing_is_written_before_every_identity_is_known(started: "Bench") -> 
 def test_nothing_gets_power_before_every_drive_is_set_up(bench: "Bench") -> None:
     bench.drives["lift"].refuses[at.POSITION_D] = AbortCode.TOO_HIGH
     bench.runs(3)
-    assert bench.bridge.phase is Phase.FAILED
+    assert bench.bridge.phase is Life.FAILED
     assert all(drive.words == [] for drive in bench.drives.values())
 
 
@@ -166,7 +166,7 @@ def test_a_drive_that_is_missing_or_refuses_is_named(
 ) -> None:
     break_it(bench.drives["steer"])
     bench.runs(4)
-    assert bench.bridge.phase is Phase.FAILED
+    assert bench.bridge.phase is Life.FAILED
     failure = f"node 3 (steering): {failure}"
     assert bench.bridge.failure == failure
     assert failure[:60] in bench.reported()
@@ -190,7 +190,7 @@ def test_a_drive_that_boots_late_is_waited_for(bench: "Bench") -> None:
     drive.silent = False
     bench.inject("right", drive.boots())
     bench.runs(1.5)
-    assert bench.bridge.phase is Phase.RUNNING
+    assert bench.bridge.phase is Life.RUNNING
 
 
 def test_a_drive_that_restarts_while_it_is_set_up_is_named(bench: "Bench") -> None:
@@ -265,4 +265,4 @@ def test_a_bridge_that_begins_in_a_mode_leaves_its_dead_drive_alone_and_arms(
     bench.drives["left"].silent = True
     bench.runs(3)
     assert bench.bridge.failure is None
-    assert bench.bridge.phase is Phase.RUNNING
+    assert bench.bridge.phase is Life.RUNNING

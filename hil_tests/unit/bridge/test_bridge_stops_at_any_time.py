@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from firmware_bridge.bridge import Phase
+from firmware_bridge.bridge import Life
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.drivers.life_cycle import Task
@@ -30,7 +30,7 @@ def runs_until(bench: "Bench", task: Task) -> None:
     """Let the start-up come to this task."""
     while bench.bridge.all_drivers.task is not task:
         bench.world.run(bench.now + MILLISECOND // 10)
-    assert bench.bridge.phase is Phase.STARTING
+    assert bench.bridge.phase is Life.STARTING
 
 
 @both
@@ -41,7 +41,7 @@ def test_what_stops_while_starting_keeps_the_power_from_coming_on(
     runs_until(bench, task)
     assert bench.commands(*order) == ACCEPTED
     bench.runs(2)
-    assert bench.bridge.phase is Phase.RUNNING
+    assert bench.bridge.phase is Life.RUNNING
     assert states(bench) <= WITHOUT_POWER
     if order is EMERGENCY_STOP:
         assert bench.arms() == DENIED
@@ -72,7 +72,7 @@ def test_what_stops_while_it_only_listens_is_kept_and_sends_nothing_to_the_drive
     assert bench.commands(*order) == ACCEPTED
     assert [packet for _, sender, packet in bench.frames if sender == "bridge"] == []
     bench.runs(2)
-    assert bench.bridge.phase is Phase.RUNNING
+    assert bench.bridge.phase is Life.RUNNING
     assert states(bench) <= WITHOUT_POWER
 
 
@@ -87,7 +87,7 @@ def test_ended_while_it_only_listens_it_is_finished_at_once_and_has_stated_nothi
 
 def test_a_forced_disarm_does_not_end_the_way_on_which_the_power_goes(armed: "Bench") -> None:
     armed.stops()
-    while armed.bridge.phase is not Phase.LEAVING:
+    while armed.bridge.phase is not Life.LEAVING:
         armed.world.run(armed.now + MILLISECOND // 10)
     assert armed.commands(*FORCED_DISARM) == ACCEPTED
     armed.runs(0.5)
@@ -108,7 +108,7 @@ def test_a_stop_is_not_cleared_before_the_drives_are_set_up(bench: "Bench") -> N
 def test_both_are_obeyed_after_a_failed_start(bench: "Bench", order: tuple[Any, ...]) -> None:
     bench.drives["steer"].silent = True
     bench.runs(3)
-    assert bench.bridge.phase is Phase.FAILED
+    assert bench.bridge.phase is Life.FAILED
     assert bench.commands(*order) == ACCEPTED
 
 
@@ -116,7 +116,7 @@ def test_while_it_comes_to_rest_a_forced_disarm_brakes_and_takes_the_power_at_re
     driving(armed)
     armed.stops()
     armed.runs(0.05)
-    assert armed.bridge.phase is Phase.STOPPING
+    assert armed.bridge.phase is Life.STOPPING
     assert armed.drives["left"].rpm > RPM_AT_03 // 2
     assert armed.commands(*FORCED_DISARM) == ACCEPTED
     assert states(armed) == {PowerState.QUICK_STOP_ACTIVE}

@@ -164,10 +164,10 @@ def test_the_ends_of_an_axis_are_places_too(started: "Bench", axis: int, value: 
 
 
 def test_no_one_is_requested_while_the_robot_is_armed_or_moves(armed: "Bench") -> None:
-    assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
+    assert armed.commands(STANDS, LIFT, 0.1) == DENIED
     assert "zero: disarm first" in armed.reported()
     driving(armed)
-    assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
+    assert armed.commands(STANDS, LIFT, 0.1) == DENIED
     armed.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0)
     assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
     assert "zero: the robot still moves" in armed.reported()
@@ -175,12 +175,12 @@ def test_no_one_is_requested_while_the_robot_is_armed_or_moves(armed: "Bench") -
 
 def test_nor_after_a_forced_disarm_or_in_an_emergency_stop(armed: "Bench") -> None:
     armed.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 0.0)
-    assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
+    assert armed.commands(STANDS, LIFT, 0.1) == DENIED
     assert "zero: the emergency stop is latched" in armed.reported()
     armed.runs(0.5)
     armed.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 1.0)
     armed.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, 21196.0)
-    assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
+    assert armed.commands(STANDS, LIFT, 0.1) == DENIED
     assert "zero: the power was disabled by force" in armed.reported()
 
 

@@ -39,7 +39,7 @@ def test_an_armed_robot_changes_no_mode() -> None:
     cart = FakeCart()
     cart.arms()
     verdict = cart.requests(EnterMode("brushless"))
-    assert (verdict.accepted, verdict.temporary) == (False, True)
+    assert (verdict.accepted, verdict.temporary) == (False, False)
     assert verdict.reason == "mode: stop and disarm first"
     assert cart.requests(Disarm()).accepted
     assert cart.requests(EnterMode("brushless")).accepted

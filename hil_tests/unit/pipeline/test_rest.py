@@ -2,10 +2,11 @@
 
 import math
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import pytest
 
+from firmware_bridge.bridge.needs import AXIS_STANDS, Instant
 from firmware_bridge.drivers.driver import Feedback
 from firmware_bridge.intent import NEVER_RECEIVED, Arm, ClearEmergencyStop, Disarm, EmergencyStop, EnterMode
 from firmware_bridge.motion.pose import Pose
@@ -63,6 +64,26 @@ def test_without_its_brush_it_rests_as_before() -> None:
     assert cart.requests(Arm()).reason != "arm: the robot still moves"
 
 
+def about(cart: FakeCart, driver: Any) -> Instant:
+    """Return a request for the position of an axis, judged now."""
+
+    class OneAxis:
+        def place(self, _request: object) -> tuple[Any, float]:
+            return driver, 0.5
+
+    others: Any = None
+    return Instant(
+        title="zero",
+        request=None,
+        seen=cart.pipeline.known(cart.now),
+        events=(),
+        permission=cart.permission,
+        zeros=cast("Any", OneAxis()),
+        guide=others,
+        locating=others,
+    )
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_an_axis_that_moves_by_itself_is_not_given_its_position(sign: float) -> None:
     """The robot rests, whatever its brush does; the brush does not."""
@@ -72,9 +93,8 @@ def test_an_axis_that_moves_by_itself_is_not_given_its_position(sign: float) -> 
     bound = driver.axis.standstill_below
     for speed, refused in ((math.nextafter(bound, math.inf), True), (bound, False)):
         driver.feedback = replace(driver.feedback, velocity=sign * speed)
-        verdict = cart.permission.set_zero(driver, 0.5, cart.pipeline.known(cart.now), ())
-        assert (not verdict.accepted, verdict.reason.endswith("moves")) == (refused, refused)
-        assert driver.zeros == ([] if refused else [0.5])
+        reason = AXIS_STANDS.refused(about(cart, driver))
+        assert (reason is not None, (reason or "").endswith("moves")) == (refused, refused)
 
 
 RARS: Final[Any] = find("rars")

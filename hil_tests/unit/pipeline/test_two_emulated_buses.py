@@ -9,7 +9,7 @@ from emulators.epos2.single import DrivesOrder, drives
 from emulators.wires import CanWire, DatagramWire
 from emulators.wires.ends import Observer
 from emulators.world import World
-from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.bridge import Bridge, Life
 from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
@@ -104,7 +104,7 @@ class TwoBuses:
 def started(change: Any = lambda _table: None) -> TwoBuses:
     bench = TwoBuses(cart(change))
     bench.runs(2.0)
-    assert bench.bridge.phase is Phase.RUNNING, bench.bridge.failure
+    assert bench.bridge.phase is Life.RUNNING, bench.bridge.failure
     return bench
 
 
