@@ -74,6 +74,19 @@ def test_arming_right_after_a_forced_disarm_enables_first() -> None:
     assert cart.requests(Arm()).accepted
 
 
+def test_the_power_counts_as_gone_once_it_was_ordered_off_and_the_brakes_are_done() -> None:
+    cart = FakeCart()
+    cart.arms()
+    assert not cart.permission.powered_down
+    cart.ahead = 0.5
+    cart.runs(20)
+    assert cart.requests(Disarm(force=True)).accepted
+    assert not cart.permission.powered_down, "it brakes first"
+    cart.ahead = 0.0
+    cart.runs(60)
+    assert cart.permission.powered_down
+
+
 @pytest.mark.parametrize("first", [EmergencyStop(), EmergencyStop(final=True), Disarm(force=True)])
 def test_a_lasting_reason_comes_before_one_that_time_ends(first: Request) -> None:
     cart = FakeCart()
