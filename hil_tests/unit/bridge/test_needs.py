@@ -2,14 +2,16 @@
 
 from dataclasses import replace
 from itertools import product
+from types import SimpleNamespace
 from typing import Any, Final
 
 import pytest
 
+from firmware_bridge.bridge import needs
 from firmware_bridge.bridge.joint_state import Life
 from firmware_bridge.bridge.needs import Instant, Need
 from firmware_bridge.bridge.orders import ORDERS, Order, carry_out
-from firmware_bridge.intent import OF_ANYONE, Answer, Arm, EmergencyStop
+from firmware_bridge.intent import OF_ANYONE, Answer, Arm, EmergencyStop, EnterMode
 from hil_tests.unit.bridge.bench import DENIED, LIFT, STANDS, TEMPORARILY_REJECTED, Bench
 
 PLACE: Final = (
@@ -76,7 +78,7 @@ def test_a_stop_and_a_forced_disarm_are_obeyed_of_anyone_in_every_phase_and_noth
     assert {key for key, order in ORDERS.items() if order.lives == {Life.RUNNING}} == ORDERS.keys() - stops
 
 
-def made(*needs: Need) -> tuple[Order, list[str]]:
+def made(*wanted: Need) -> tuple[Order, list[str]]:
     """Return an order with these needs, and what it has done."""
     done: list[str] = []
 
@@ -84,7 +86,7 @@ def made(*needs: Need) -> tuple[Order, list[str]]:
         done.append("acted")
         return Answer(accepted=True, reason="done")
 
-    return replace(ORDERS[Arm], settled=lambda _: None, needs=needs, act=act), done
+    return replace(ORDERS[Arm], settled=lambda _: None, needs=wanted, act=act), done
 
 
 @pytest.mark.parametrize("refused", [*product((False, True), repeat=3)])
@@ -155,3 +157,60 @@ def test_while_a_stop_escalates_nothing_is_armed_and_no_axis_is_given_a_position
 
 def test_an_emergency_stop_needs_nothing() -> None:
     assert ORDERS[EmergencyStop].needs == ()
+
+
+def instant(**permission: Any) -> Any:
+    """Return an instant of a request for another mode, with this of the permission's."""
+    rules = SimpleNamespace(
+        kinematics=SimpleNamespace(requested=lambda *_: frozenset(permission.pop("requested", ()))),
+        at_standstill=lambda _: True,
+        sensed=lambda seen: seen,
+        carriers=frozenset({"left"}),
+    )
+    facts = SimpleNamespace(now=5, neutral=True, deflected="")
+    seen = SimpleNamespace(command=None, body=None, facts=facts)
+    found = SimpleNamespace(
+        rules=rules, modes={"": rules, "other": rules}, mode="", armed=False, **permission
+    )
+    return SimpleNamespace(permission=found, seen=seen, events=(), request=EnterMode("other"), entered=rules)
+
+
+def test_what_would_move_at_once_is_named() -> None:
+    assert needs.NOTHING_MOVES.refused(instant()) is None
+    reason = needs.NOTHING_MOVES.refused(instant(requested=("lift", "base")))
+    assert reason == "the base and lift would move at once; return the stick to neutral, or disarm"
+
+
+def test_another_mode_interrupts_no_homing_and_the_present_one_may_go_on() -> None:
+    event = SimpleNamespace(reason="the lift is homing", remedy="wait")
+    homing = SimpleNamespace(under_way=(event,))
+    it = instant(homing=homing)
+    assert needs.MODE_NO_HOMING.refused(it) == "the lift is homing; wait"
+    it.entered = None
+    assert needs.MODE_NO_HOMING.refused(it) is None
+    assert needs.MODE_NO_HOMING.refused(instant(homing=SimpleNamespace(under_way=()))) is None
+
+
+def test_a_mode_takes_no_power_that_holds_the_robot() -> None:
+    seen: list[Any] = []
+
+    def keeps_power(rules: Any, now: int) -> str:
+        seen.append((rules.carriers, now))
+        return "the left wheel holds it"
+
+    it = instant(keeps_power=keeps_power)
+    assert needs.MODE_KEEPS_THE_ROBOT.refused(it) == "the left wheel holds it"
+    assert seen == [(frozenset({"left"}), 5)]
+    it.entered = None
+    assert needs.MODE_KEEPS_THE_ROBOT.refused(it) is None
+
+
+def test_the_power_of_the_axes_that_a_mode_does_without_is_looked_at(started: Bench) -> None:
+    permission: Any = started.bridge._permission  # noqa: SLF001 - what a mode change looks at
+    looked: list[Any] = []
+    permission.power_down = SimpleNamespace(
+        kept_by=lambda axes, now: looked.append((axes, now)) or "held with power"
+    )
+    rules: Any = SimpleNamespace(carriers=frozenset({"left"}))
+    assert permission.keeps_power(rules, 7) == "held with power; block the wheels, then disarm by force"
+    assert looked == [(frozenset({"left"}), 7)]
