@@ -14,6 +14,8 @@ from firmware_bridge.bridge.orders import ORDERS, Order, carry_out
 from firmware_bridge.intent import OF_ANYONE, Answer, Arm, EmergencyStop, EnterMode
 from hil_tests.unit.bridge.bench import DENIED, LIFT, STANDS, TEMPORARILY_REJECTED, Bench
 
+pytestmark = pytest.mark.interpreted
+
 PLACE: Final = (
     "the axis may stand there",
     "the robot is disarmed",
@@ -208,9 +210,12 @@ def test_a_mode_takes_no_power_that_holds_the_robot() -> None:
 def test_the_power_of_the_axes_that_a_mode_does_without_is_looked_at(started: Bench) -> None:
     permission: Any = started.bridge._permission  # noqa: SLF001 - what a mode change looks at
     looked: list[Any] = []
-    permission.power_down = SimpleNamespace(
-        kept_by=lambda axes, now: looked.append((axes, now)) or "held with power"
-    )
+
+    def kept_by(axes: frozenset[str], now: int) -> str:
+        looked.append((axes, now))
+        return "held with power"
+
+    permission.power_down = SimpleNamespace(kept_by=kept_by)
     rules: Any = SimpleNamespace(carriers=frozenset({"left"}))
     assert permission.keeps_power(rules, 7) == "held with power; block the wheels, then disarm by force"
     assert looked == [(frozenset({"left"}), 7)]

@@ -84,6 +84,7 @@ def about(cart: FakeCart, driver: Any) -> Instant:
     )
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_an_axis_that_moves_by_itself_is_not_given_its_position(sign: float) -> None:
     """The robot rests, whatever its brush does; the brush does not."""
