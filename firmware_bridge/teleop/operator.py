@@ -221,7 +221,7 @@ class Operator:
     ) -> tuple[Packet, ...]:
         """Return what is due now, in order: texts of what began or ended, telemetry, listed parameters."""
         session = self._session
-        session.snapshot = snapshot
+        session.snapshot, session.events = snapshot, events
         # Before the texts are taken, so that they leave in this cycle.
         session.report_link(now)
         texts = session.unsent + self._texts.due(events, now) + self._fault_texts(snapshot)

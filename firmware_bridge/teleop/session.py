@@ -7,7 +7,7 @@ from firmware_bridge.drivers.driver import Power
 from firmware_bridge.intent import NEVER_RECEIVED, AgeLimit, Intent
 from firmware_bridge.robot import AnyRobot, UnknownAge
 from firmware_bridge.safety.interlock_base import Severity
-from firmware_bridge.safety.snapshot import AnySnapshot, Facts
+from firmware_bridge.safety.snapshot import ActiveInterlock, AnySnapshot, Facts
 from firmware_bridge.teleop import modes as driving_modes
 from firmware_bridge.teleop.age import BOOT_WRAPS, Age, Ages, boot_ms
 from firmware_bridge.teleop.audience import Audience
@@ -192,6 +192,8 @@ class Session:
         self.returned_to_neutral = False
         """A neutral motion command has come since the newest cycle, whatever came after it."""
         self.snapshot: AnySnapshot | None = None
+        self.events: tuple[ActiveInterlock, ...] = ()
+        """The active interlocks of the newest cycle: what the heartbeat reports follows from them."""
         self.trust: Final = trust
         self.signatures: Final = Signatures(trust)
         self.audience: Final = Audience(self.codec.system, self.codec.component, trust, self.signatures.stamp)
@@ -360,15 +362,17 @@ class Session:
         return tuple(message for stream in streams for message in stream.encode(context))
 
     def _status(self, facts: Facts) -> int:
-        silent = facts.now - self.intent.received_at > self.silent_after
         axes = facts.axes.values()
+        held = any(
+            one.interlock.stops is None and one.interlock.severity <= Severity.WARNING for one in self.events
+        )
         rows: tuple[tuple[bool, int], ...] = (
             (self.terminated, dialect.MAV_STATE_FLIGHT_TERMINATION),
             (facts.emergency_stopped, dialect.MAV_STATE_EMERGENCY),
             (any(axis.fault for axis in axes), dialect.MAV_STATE_CRITICAL),
             (any(axis.power is Power.UNKNOWN for axis in axes), dialect.MAV_STATE_BOOT),
             (not facts.armed, dialect.MAV_STATE_STANDBY),
-            (silent, dialect.MAV_STATE_CRITICAL),
+            (held, dialect.MAV_STATE_CRITICAL),
         )
         active: int = dialect.MAV_STATE_ACTIVE
         return next((state for events, state in rows if events), active)

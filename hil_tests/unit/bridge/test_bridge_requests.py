@@ -319,3 +319,21 @@ def test_a_drive_that_restarted_is_set_up_again_when_armed(armed: "Bench") -> No
     assert armed.drives["right"].memory[od.CONSUMER_HEARTBEAT_1] == bytes.fromhex("c8006400")
     assert armed.drives["right"].state is PowerState.OPERATION_ENABLED
     assert armed.arms() == ACCEPTED
+
+
+def test_no_heartbeat_is_active_while_an_interlock_stops_the_whole_robot(armed: "Bench") -> None:
+    """From the last motion command until the stick was neutral again, at every heartbeat."""
+    driving(armed)
+    seen: dict[str, set[int]] = {}
+    for talks, speed, seconds in ((False, 0.3, 2.0), (True, 0.3, 2.5), (True, 0.0, 2.5), (True, 0.3, 2.5)):
+        armed.talks, armed.speed = talks, speed
+        for _ in range(round(seconds / 0.05)):
+            before = len(armed.station.received)
+            armed.runs(0.05)
+            held = {event.name for event in armed.bridge.interlock_events if event.interlock.stops is None}
+            for message in armed.station.received[before:]:
+                if message.get_type() == "HEARTBEAT":
+                    assert (message.system_status == dialect.MAV_STATE_ACTIVE) is (not held), held
+                    for name in held or {"nothing"}:
+                        seen.setdefault(name, set()).add(message.system_status)
+    assert {"operator link timeout", "stick not neutral", "nothing"} <= seen.keys()

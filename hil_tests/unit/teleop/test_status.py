@@ -10,7 +10,8 @@ import pytest
 from firmware_bridge.drivers.driver import Power
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.safety.common import AXIS_INTERLOCKS, whole_robot_interlocks
-from firmware_bridge.safety.interlock_base import Severity
+from firmware_bridge.safety.interlock_base import InterlockBase, Severity
+from firmware_bridge.safety.snapshot import ActiveInterlock
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.bench import RarsBench, event
 
@@ -55,8 +56,33 @@ def test_the_heartbeat_of_a_robot_that_is_driven(bench: RarsBench) -> None:
     bench.order(400, 1)
     bench.stick()
     assert status(bench) == (0xC1, ACTIVE)
-    bench.now += 500 * MILLISECOND
-    assert status(bench) == (0xC1, CRITICAL)
+
+
+@pytest.mark.parametrize(
+    ("stops", "severity", "state"),
+    [
+        (None, Severity.CRITICAL, CRITICAL),
+        (None, Severity.WARNING, CRITICAL),
+        (None, Severity.NOTICE, ACTIVE),
+        (frozenset({"lift"}), Severity.CRITICAL, ACTIVE),
+        (frozenset(), Severity.CRITICAL, ACTIVE),
+    ],
+)
+def test_the_status_follows_from_the_active_interlocks(
+    bench: RarsBench, stops: frozenset[str] | None, severity: Severity, state: int
+) -> None:
+    """Whatever has begun it: one that stops the whole robot, and is no notice."""
+    bench.order(400, 1)
+    bench.stick()
+    interlock = InterlockBase("operator link timeout", "send", stops=stops, severity=severity)
+    bench.report(ActiveInterlock(interlock.name, "no motion command for 0.6 s", interlock, 0))
+    (heartbeat,) = bench.order(512, 0)[:1]
+    assert (heartbeat.base_mode, heartbeat.system_status) == (0xC1, state)
+    # Disarmed it waits, as any robot does whose operator is away.
+    bench.order(400, 0)
+    bench.report(ActiveInterlock(interlock.name, "no motion command for 0.6 s", interlock, 0))
+    (heartbeat,) = bench.order(512, 0)[:1]
+    assert heartbeat.system_status == STANDBY
 
 
 def test_the_heartbeat_of_a_robot_in_trouble(bench: RarsBench) -> None:
