@@ -232,7 +232,9 @@ class Permission:
     def ready(self, driver: Driver, now: Nanoseconds) -> bool:
         """Return whether a device may be moved: active, with power by its own fresh report, and no fault."""
         feedback = driver.feedback
-        fit = driver.state is DriverState.ACTIVE and not self._silent(driver, now)
+        # A report from before its power was taken proves nothing about it.
+        taken = self._all_drivers.set_points.get(driver.axis.name) is Stop.POWER_OFF
+        fit = driver.state is DriverState.ACTIVE and not taken and not self._silent(driver, now)
         return fit and feedback.power is Power.ON and not feedback.fault
 
     def _silent(self, driver: Driver, now: Nanoseconds) -> bool:

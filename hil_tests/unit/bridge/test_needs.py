@@ -11,8 +11,9 @@ from firmware_bridge.bridge import needs
 from firmware_bridge.bridge.joint_state import Life
 from firmware_bridge.bridge.needs import Instant, Need
 from firmware_bridge.bridge.orders import ORDERS, Order, carry_out
+from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.intent import OF_ANYONE, Answer, Arm, EmergencyStop, EnterMode
-from hil_tests.unit.bridge.bench import DENIED, LIFT, STANDS, TEMPORARILY_REJECTED, Bench
+from hil_tests.unit.bridge.bench import ACCEPTED, ARM, DENIED, LIFT, STANDS, TEMPORARILY_REJECTED, Bench
 
 pytestmark = pytest.mark.interpreted
 
@@ -219,3 +220,18 @@ def test_the_power_of_the_axes_that_a_mode_does_without_is_looked_at(started: Be
     rules: Any = SimpleNamespace(carriers=frozenset({"left"}))
     assert permission.keeps_power(rules, 7) == "held with power; block the wheels, then disarm by force"
     assert looked == [(frozenset({"left"}), 7)]
+
+
+@pytest.mark.parametrize("requested", [1, 2, 3])
+def test_whoever_arms_at_the_instant_of_a_forced_disarm_is_refused_until_they_report(
+    armed: Bench, requested: int
+) -> None:
+    """Its drives' reports are older than the order: none of them counts, however often it is requested."""
+    assert armed.commands(ARM, 0.0, 21196.0) == ACCEPTED
+    for _ in range(requested):
+        assert armed.arms() == TEMPORARILY_REJECTED
+    armed.runs(1.0)
+    assert armed.arms() in {ACCEPTED, TEMPORARILY_REJECTED}
+    armed.runs(1.0)
+    assert armed.arms() == ACCEPTED
+    assert {drive.state for drive in armed.drives.values()} == {PowerState.OPERATION_ENABLED}
