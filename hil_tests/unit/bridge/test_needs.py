@@ -223,7 +223,7 @@ def test_the_power_of_the_axes_that_a_mode_does_without_is_looked_at(started: Be
 
 
 @pytest.mark.parametrize("requested", [1, 2, 3])
-def test_whoever_arms_at_the_instant_of_a_forced_disarm_is_refused_until_they_report(
+def test_an_operator_who_arms_at_the_instant_of_a_forced_disarm_is_refused_until_they_report(
     armed: Bench, requested: int
 ) -> None:
     """Its drives' reports are older than the order: none of them counts, however often it is requested."""
