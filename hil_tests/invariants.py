@@ -13,6 +13,7 @@ In the compiled core nothing can be looked at: its classes take no other methods
 
 import math
 import re
+from types import FunctionType
 from typing import Any, Final
 
 from firmware_bridge.bridge.all_drivers import requests_stop
@@ -112,6 +113,8 @@ def _watch(bridge: Any) -> Watch:
 
 def install() -> bool:
     """Look at every bridge from now on; False where the core is compiled."""
+    if not isinstance(Bridge.receive, FunctionType):
+        return False
     receive, wake, stop = Bridge.receive, Bridge.wake, Bridge.stop
 
     def received(bridge: Bridge, packet: Packet, now: Nanoseconds) -> Reaction:
@@ -129,9 +132,6 @@ def install() -> bool:
         _watch(bridge).look(bridge, reaction, now, operator=False)
         return reaction
 
-    try:
-        for name, method in (("receive", received), ("wake", woken), ("stop", stopped)):
-            setattr(Bridge, name, method)
-    except TypeError:
-        return False
+    for name, method in (("receive", received), ("wake", woken), ("stop", stopped)):
+        setattr(Bridge, name, method)
     return True
