@@ -113,7 +113,7 @@ def _watch(bridge: Any) -> Watch:
 
 def install() -> bool:
     """Look at every bridge from now on; False where the core is compiled."""
-    if not isinstance(Bridge.receive, FunctionType):
+    if not isinstance(vars(Bridge)["receive"], FunctionType):
         return False
     receive, wake, stop = Bridge.receive, Bridge.wake, Bridge.stop
 
