@@ -1,7 +1,8 @@
-"""A recording whose texts are in the words of the release before: all of it is compared but STATUSTEXT.
+"""A recording in the words of the release before: all of it is compared but STATUSTEXT and one status.
 
 A text of another length is another number of messages, so sequence numbers are not compared either: each
-recorded message must be among those that were sent before, as often as its sender has sent it.
+recorded message must be among those that were sent before, as often as its sender has sent it. The status in
+HEARTBEAT follows from the active interlocks now, and is not compared, nor the health in SYS_STATUS.
 """
 
 import warnings
@@ -19,8 +20,13 @@ from firmware_bridge.units import Nanoseconds
 
 OLD_WORDS: Final = b"released: "
 """Begin of a text that an interlock event was over; it is "cleared: " now."""
-NOT_COMPARED: Final = "the recording's texts are of the release before: all is compared but STATUSTEXT"
+NOT_COMPARED: Final = (
+    "the recording's texts are of the release before: all is compared but STATUSTEXT and HEARTBEAT's status"
+)
 _STATUSTEXT: Final = 253
+_CHANGED: Final = {0: slice(7, 8), 1: slice(8, 12)}
+"""What is not compared of HEARTBEAT, its system_status, and of SYS_STATUS, its sensors' health: places in the
+payload (common.xml, in the order on the wire)."""
 _V1_NUMBER: Final = slice(5, 6)
 _V1_HEAD: Final = 6
 _V2_NUMBER: Final = slice(7, 10)
@@ -80,7 +86,9 @@ def _is_text(message: bytes) -> bool:
 
 
 def _content(message: bytes) -> tuple[int, bytes]:
-    """Return a message's number and its payload; neither sequence number nor checksum."""
-    number, head = (_V2_NUMBER, _V2_HEAD) if message[0] == MAVLINK_2 else (_V1_NUMBER, _V1_HEAD)
+    """Return a message's number and what of its payload is compared; no sequence number, no checksum."""
+    place, head = (_V2_NUMBER, _V2_HEAD) if message[0] == MAVLINK_2 else (_V1_NUMBER, _V1_HEAD)
     # Byte 1 is the payload's length in both versions of MAVLink.
-    return int.from_bytes(message[number], "little"), message[head : head + message[1]]
+    number, payload = int.from_bytes(message[place], "little"), message[head : head + message[1]]
+    changed = _CHANGED.get(number, slice(0, 0))
+    return number, payload[: changed.start] + payload[changed.stop :]

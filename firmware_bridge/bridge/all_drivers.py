@@ -23,6 +23,8 @@ class AllDrivers:
         """The axes that the newest set-points stop."""
         self.set_points: dict[str, SetPoint] = {}
         """The last set-point of each axis; only those due on its link, or a stop, are sent."""
+        self.taken_at: dict[str, Nanoseconds] = {}
+        """Time of the newest command that took an axis's power, after one that did not."""
         self._beats: list[Nanoseconds] = [0] * len(all_drivers)
         """Time of each link's next heartbeat to its devices."""
         self._silent_until: dict[str, Nanoseconds] = {}
@@ -175,7 +177,7 @@ class AllDrivers:
             stops = {name for name, set_point in set_points.items() if requests_stop(set_point)}
             if link_drivers in self._due or not stops <= self._stopped:
                 sent += link_drivers.command(set_points)
-                self.set_points.update(set_points)
+                self._note(set_points, now)
             self._stopped.difference_update(set_points)
             self._stopped |= stops
             if levels:
@@ -192,12 +194,19 @@ class AllDrivers:
         self.set_points.update(set_points)
         return sent
 
-    def command_all(self, set_point: Stop, off: Collection[str] = ()) -> tuple[Packet, ...]:
+    def _note(self, set_points: Mapping[str, SetPoint], now: Nanoseconds) -> None:
+        """Keep what is commanded, and since when an axis shall have no power."""
+        for name, set_point in set_points.items():
+            if set_point is Stop.POWER_OFF and self.set_points.get(name) is not Stop.POWER_OFF:
+                self.taken_at[name] = now
+        self.set_points.update(set_points)
+
+    def command_all(self, set_point: Stop, now: Nanoseconds, off: Collection[str] = ()) -> tuple[Packet, ...]:
         """Send all axes the same set-point; those named in `off` shall have no power, whatever it is."""
         commanded = {driver.axis.name: set_point for driver in self.drivers} | dict.fromkeys(
             off, Stop.POWER_OFF
         )
-        self.set_points.update(commanded)
+        self._note(commanded, now)
         return joined([link_drivers.command(commanded) for link_drivers in self.all])
 
     def release(self) -> tuple[Packet, ...]:

@@ -357,7 +357,7 @@ class Bridge:
             self._run(now)
         elif permission.forbids_power and self.phase is Life.STARTING and drivers.task is Task.ENABLE:
             # That ends activating, and the start-up goes on without it.
-            self._outbox += drivers.command_all(Stop.POWER_OFF)
+            self._outbox += drivers.command_all(Stop.POWER_OFF, now)
 
     def _decide(self, request: Request, now: Nanoseconds) -> Answer:
         order = order_of(request)

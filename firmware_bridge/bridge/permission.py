@@ -173,7 +173,7 @@ class Permission:
         # Its own set-point may be above zero still: what was measured counts.
         stop = self.ordered_off(now, standstill=self.rules.stopped(seen))
         taken = {name for name, one in self.stops.of_axes.items() if one.ends_power}
-        self._outbox += self._all_drivers.command_all(stop, self.untrusted | self.rules.without | taken)
+        self._outbox += self._all_drivers.command_all(stop, now, self.untrusted | self.rules.without | taken)
         return stop
 
     def set_zero(self, driver: Driver, position: float, now: Nanoseconds) -> None:
@@ -233,8 +233,9 @@ class Permission:
         """Return whether a device may be moved: active, with power by its own fresh report, and no fault."""
         feedback = driver.feedback
         # A report from before its power was taken proves nothing about it.
-        taken = self._all_drivers.set_points.get(driver.axis.name) is Stop.POWER_OFF
-        fit = driver.state is DriverState.ACTIVE and not taken and not self._silent(driver, now)
+        taken_at = self._all_drivers.taken_at.get(driver.axis.name, NEVER_RECEIVED)
+        fresh = feedback.sampled_at > taken_at and not self._silent(driver, now)
+        fit = driver.state is DriverState.ACTIVE and fresh
         return fit and feedback.power is Power.ON and not feedback.fault
 
     def _silent(self, driver: Driver, now: Nanoseconds) -> bool:

@@ -8,7 +8,7 @@ import os
 import select
 from contextlib import suppress
 from queue import Empty, Full, Queue
-from threading import Thread
+from threading import Lock, Thread
 from typing import Final, TextIO
 
 MOST: Final = 2_000
@@ -25,6 +25,8 @@ class Printer:
         self._failed = 0
         """Lines that nothing took; the thread's count."""
         self._lost_reported = 0
+        self._counting = Lock()
+        """Held while a line is dropped: what is printed after it has it in its count."""
         self._thread: Thread | None = None
 
     @property
@@ -72,17 +74,19 @@ class Printer:
             return
 
     def _drop_one(self) -> None:
-        try:
-            self._waiting.get_nowait()
-        except Empty:
-            return
-        self._lost += 1
+        with self._counting:
+            try:
+                self._waiting.get_nowait()
+            except Empty:
+                return
+            self._lost += 1
 
     def _work(self) -> None:
         """Print what waits; the thread's whole life."""
         while (item := self._waiting.get()) is not None:
             fileno, line = item
-            missing = self._lost + self._failed - self._lost_reported
+            with self._counting:
+                missing = self._lost + self._failed - self._lost_reported
             if missing:
                 line = f"({missing} lines before this one could not be printed)\n".encode() + line
             if _written(fileno, line):

@@ -341,7 +341,7 @@ class Session:
             base_mode=mode,
             custom_mode=driving_modes.number_of(driving_mode, self.modes.index(facts.mode)),
             system_status=status,
-            healthy=status in (dialect.MAV_STATE_STANDBY, dialect.MAV_STATE_ACTIVE),
+            healthy=self._trouble(facts) is None,
             corrupt=self.codec.counters.corrupt,
             resets=self.resets,
             round_trip=self.ages.trips.newest(facts.now),
@@ -361,21 +361,24 @@ class Session:
         context = self.context(self.snapshot)
         return tuple(message for stream in streams for message in stream.encode(context))
 
-    def _status(self, facts: Facts) -> int:
+    def _trouble(self, facts: Facts) -> int | None:
+        """Return the status of an emergency stop, a fault or a silent device; None without any."""
         axes = facts.axes.values()
-        held = any(
-            one.interlock.stops is None and one.interlock.severity <= Severity.WARNING for one in self.events
-        )
         rows: tuple[tuple[bool, int], ...] = (
             (self.terminated, dialect.MAV_STATE_FLIGHT_TERMINATION),
             (facts.emergency_stopped, dialect.MAV_STATE_EMERGENCY),
             (any(axis.fault for axis in axes), dialect.MAV_STATE_CRITICAL),
             (any(axis.power is Power.UNKNOWN for axis in axes), dialect.MAV_STATE_BOOT),
-            (not facts.armed, dialect.MAV_STATE_STANDBY),
-            (held, dialect.MAV_STATE_CRITICAL),
         )
-        active: int = dialect.MAV_STATE_ACTIVE
-        return next((state for events, state in rows if events), active)
+        return next((state for is_so, state in rows if is_so), None)
+
+    def _status(self, facts: Facts) -> int:
+        rows = (one.interlock for one in self.events)
+        held = any(row.stops is None and row.severity <= Severity.WARNING for row in rows)
+        driven: int = dialect.MAV_STATE_CRITICAL if held else dialect.MAV_STATE_ACTIVE
+        state = driven if facts.armed else dialect.MAV_STATE_STANDBY
+        trouble = self._trouble(facts)
+        return state if trouble is None else trouble
 
 
 def _version() -> Message:

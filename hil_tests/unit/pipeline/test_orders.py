@@ -275,6 +275,7 @@ def test_each_request_in_each_joint_state_is_answered_by_the_rules(motion: Motio
         permission.motion, permission.paused, permission.mode = motion, it.paused, ""
         permission.untrusted.clear()
         cart.all_drivers.set_points.clear()
+        cart.all_drivers.taken_at.clear()
         for name, one in cart.drivers.items():
             one.feedback = replace(sound[name], received_at=cart.now, sampled_at=cart.now)
         driver.state = it.state
