@@ -78,6 +78,7 @@ WAY_OF_A_PACKET: Final = (
     "firmware_bridge/families/motor_shield/wire/*.py",
     "firmware_bridge/immutable.py",
     "firmware_bridge/intent.py",
+    "firmware_bridge/mavlink/*.py",
     "firmware_bridge/motion/*.py",
     "firmware_bridge/packet.py",
     "firmware_bridge/robots/*/*.py",

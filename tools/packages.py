@@ -104,6 +104,7 @@ PACKAGES: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("differential/*", ("robots/test_diff_drive*",)),
     ("diff_drive/*", ("robots/test_diff_drive*",)),
     ("teleop/*", ("unit/teleop/*",)),
+    ("mavlink/*", ("unit/teleop/*",)),
 )
 """Modules of `firmware_bridge` or an example, and files of `hil_tests`; what stands first counts."""
 SLOW: Final = ("*_property", "*_imports", "*_machine", "*_garbage", "*_emulated_*", "*/test_any_sender")

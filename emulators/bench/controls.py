@@ -12,8 +12,8 @@ from emulators.bench.foreign_datagrams import velocity
 from emulators.bench.mission import Mission
 from emulators.bench.step import Holds, Input, Presses, Slope, Step, inputs
 from emulators.bench.stick import Ramp, Tremor
+from firmware_bridge.mavlink.frames import Message, dialect
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
 PRESS: Final[Nanoseconds] = 120 * MILLISECOND

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from enum import StrEnum
 from typing import Final
 
-from firmware_bridge.teleop.mavlink import Codec, Message, dialect
+from firmware_bridge.mavlink.frames import Codec, Message, dialect
 
 _ANOTHER_SYSTEM: Final = 77
 _FORCE: Final = 21196

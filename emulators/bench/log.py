@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from firmware_bridge.teleop.mavlink import Message
+from firmware_bridge.mavlink.frames import Message
 from firmware_bridge.units import Nanoseconds
 
 

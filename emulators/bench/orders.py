@@ -7,8 +7,8 @@ from typing import Final
 
 from emulators.bench.foreign_datagrams import command
 from emulators.bench.step import Sends, Step, inputs
+from firmware_bridge.mavlink.frames import Message, dialect
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 RETRY_AFTER: Final[Nanoseconds] = 500 * MILLISECOND

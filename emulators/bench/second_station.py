@@ -5,9 +5,9 @@ from types import MappingProxyType
 from typing import Final
 
 from emulators.bench.foreign_datagrams import command
+from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.internet import number_of
 

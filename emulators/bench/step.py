@@ -8,11 +8,11 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from emulators.bench.foreign_datagrams import Stray
+from firmware_bridge.mavlink.modes import number_of_own
 from firmware_bridge.renamed import step_table
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.robot_types import robot_type_of
-from firmware_bridge.teleop.modes import number_of_own
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]

@@ -21,6 +21,7 @@ from firmware_bridge.drivers.all_drivers import all_drivers_of
 from firmware_bridge.drivers.driver import Stop
 from firmware_bridge.drivers.life_cycle import Task, Transition
 from firmware_bridge.intent import Answer, ConfirmPosition, Request
+from firmware_bridge.mavlink.trust import Trust
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
@@ -29,7 +30,6 @@ from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.safety.snapshot import ActiveInterlock, AnySnapshot
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.teleop.session import ANY_STATION
-from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 STANDSTILL_WITHIN: Final[Nanoseconds] = 3 * SECOND

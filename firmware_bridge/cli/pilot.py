@@ -126,6 +126,7 @@ def run(given: PilotOptions) -> None:
     from firmware_bridge.cli.remembered import Remembered, Remembering
     from firmware_bridge.cli.robot_argument import find_robot
     from firmware_bridge.cli.trusted import key_in
+    from firmware_bridge.mavlink.trust import Trust
     from firmware_bridge.node import OPERATOR
     from firmware_bridge.pilot.cockpit import HAND, Cockpit
     from firmware_bridge.pilot.driver import AtHand
@@ -138,7 +139,6 @@ def run(given: PilotOptions) -> None:
     from firmware_bridge.runtime.clock import Clock
     from firmware_bridge.runtime.last_places import usual_path
     from firmware_bridge.runtime.ports import UdpPort
-    from firmware_bridge.teleop.trust import Trust
 
     with one_message(RobotFileError):
         robot = find_robot(given.robot).agreed_on(given.max_delay)

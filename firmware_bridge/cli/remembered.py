@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Final
 
 from firmware_bridge.cli.console import refusal
+from firmware_bridge.mavlink.trust import Stamps, Trust
 from firmware_bridge.node import Node, Stoppable
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.runtime.kept_stamps import DamagedStampsError, KeptStamps
-from firmware_bridge.teleop.trust import Stamps, Trust
 from firmware_bridge.units import NEVER, Nanoseconds
 
 

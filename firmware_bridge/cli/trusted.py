@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Final
 
 from firmware_bridge.cli.console import one_message, refusal
+from firmware_bridge.mavlink.trust import KEY_LENGTH, Network, Trust
 from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.runtime.ports import PortError
 from firmware_bridge.runtime.ports.udp import reaches_beyond
-from firmware_bridge.teleop.trust import KEY_LENGTH, Network, Trust
 
 SHORTEST_PHRASE: Final = 12
 _HEXADECIMAL: Final = re.compile(rb"[0-9A-Fa-f]{64}")

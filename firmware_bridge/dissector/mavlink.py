@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 from firmware_bridge.packet import Packet
 
 if TYPE_CHECKING:
-    from firmware_bridge.teleop.mavlink import Message
+    from firmware_bridge.mavlink.frames import Message
 
 _NO_ONE: Final = 0
 """The reader sends nothing, so its own number does not matter."""
@@ -16,7 +16,7 @@ class Mavlink:
 
     def __init__(self) -> None:
         # MAVLink's dialects take a while to load, and most programs read none of it.
-        from firmware_bridge.teleop.mavlink import Codec  # noqa: PLC0415
+        from firmware_bridge.mavlink.frames import Codec  # noqa: PLC0415
 
         self._codec = Codec(_NO_ONE, _NO_ONE)
 
@@ -35,7 +35,7 @@ def _text_of(message: "Message") -> str:
 
 
 def _value(message: "Message", field: str) -> str:
-    from firmware_bridge.teleop.mavlink import dialect, text_of  # noqa: PLC0415 - as above
+    from firmware_bridge.mavlink.frames import dialect, text_of  # noqa: PLC0415 - as above
 
     value = getattr(message, field)
     if isinstance(value, bytes | str):

@@ -3,7 +3,7 @@
 from types import MappingProxyType
 from typing import Final, TypeAlias
 
-from firmware_bridge.teleop.mavlink import dialect
+from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 Profile: TypeAlias = MappingProxyType[int, Nanoseconds]

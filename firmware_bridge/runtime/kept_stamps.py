@@ -9,8 +9,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
+from firmware_bridge.mavlink.trust import NO_STAMPS, UNIT, Stamps, Stream
 from firmware_bridge.runtime.whole_file import WholeFile
-from firmware_bridge.teleop.trust import NO_STAMPS, UNIT, Stamps, Stream
 from firmware_bridge.units import SECOND, Nanoseconds
 
 EVERY: Final[Nanoseconds] = 2 * SECOND

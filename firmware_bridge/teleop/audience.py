@@ -7,12 +7,12 @@ others must fit into the bytes that came from there, so that a forged address ga
 from collections.abc import Callable, Collection, Iterable
 from typing import Final
 
+from firmware_bridge.mavlink.frames import Message, dialect
+from firmware_bridge.mavlink.schedule import Schedule
+from firmware_bridge.mavlink.trust import Trust
+from firmware_bridge.mavlink.voice import Voice
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.teleop.mavlink import Message, dialect
-from firmware_bridge.teleop.schedule import Schedule
-from firmware_bridge.teleop.trust import Trust
-from firmware_bridge.teleop.voice import Voice
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 LAPSES_AFTER: Final[Nanoseconds] = 5 * SECOND

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Final
 
 from firmware_bridge import intent
-from firmware_bridge.teleop import modes
+from firmware_bridge.mavlink import modes
+from firmware_bridge.mavlink.frames import Message, dialect
 from firmware_bridge.teleop.exchange import Exchange
-from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.order import (
     ACCEPTED,
     UNSUPPORTED,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from firmware_bridge.intent import NEVER_RECEIVED
-from firmware_bridge.teleop.modes import DrivingMode
+from firmware_bridge.mavlink.modes import DrivingMode
 from firmware_bridge.teleop.station import Motion, Stick
 from firmware_bridge.units import Nanoseconds
 

@@ -18,11 +18,11 @@ from firmware_bridge.intent import (
     ResetOdometry,
     kind_of,
 )
+from firmware_bridge.mavlink.frames import Message, dialect
+from firmware_bridge.mavlink.schedule import Schedule
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.manual_control import Lever, stick_of, unread
-from firmware_bridge.teleop.mavlink import Message, dialect
-from firmware_bridge.teleop.schedule import Schedule
 from firmware_bridge.teleop.session import LastCommand, Peer, Sequenced, Session
 from firmware_bridge.teleop.setpoints import (
     channels_of,

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from firmware_bridge.intent import AgeLimit
+from firmware_bridge.mavlink.age import Ages
 from firmware_bridge.safety.interlock_base import Severity
-from firmware_bridge.teleop.age import Ages
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 
 REPORTED_AFTER: Final[Nanoseconds] = 3 * SECOND

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from firmware_bridge.intent import NEVER_RECEIVED
-from firmware_bridge.teleop.mavlink import Message
+from firmware_bridge.mavlink.frames import Message
 from firmware_bridge.teleop.station import AnyStation, Stick, StickAxis, Unusable
 from firmware_bridge.units import Nanoseconds
 

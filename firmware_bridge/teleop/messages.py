@@ -5,10 +5,10 @@ from functools import partial
 from typing import Final
 
 from firmware_bridge.intent import EmergencyStop
+from firmware_bridge.mavlink.frames import Message, dialect, text_of
+from firmware_bridge.mavlink.lacking import LACKING, Refusal
 from firmware_bridge.teleop.commands import change_control, obey, requests_stop, stops
 from firmware_bridge.teleop.exchange import Exchange
-from firmware_bridge.teleop.lacking import LACKING, Refusal
-from firmware_bridge.teleop.mavlink import Message, dialect, text_of
 from firmware_bridge.teleop.order import Order, Result
 from firmware_bridge.teleop.session import REMEMBERED, AnsweredCommand
 from firmware_bridge.teleop.setpoints import pressed

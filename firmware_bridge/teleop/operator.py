@@ -8,6 +8,8 @@ messages, and messages for other systems, are ignored. A robot's own use of them
 from typing import Any, Final
 
 from firmware_bridge.intent import AgeLimit, Intent
+from firmware_bridge.mavlink.frames import Counters, Message, concerns, dialect, speaks_mavlink_1, target_of
+from firmware_bridge.mavlink.trust import Stamps, Trust, is_signed
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.interlock_base import Severity
@@ -15,13 +17,11 @@ from firmware_bridge.safety.snapshot import ActiveInterlock, AnySnapshot
 from firmware_bridge.teleop.commands import requests_stop
 from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.exchange import Decide, Exchange
-from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect, speaks_mavlink_1, target_of
 from firmware_bridge.teleop.messages import HANDLERS, LATER, stop_for_anybody
 from firmware_bridge.teleop.session import ANY_STATION, MOST_PEERS, Dropped, Session
 from firmware_bridge.teleop.station import AnyStation
 from firmware_bridge.teleop.streams import Telemetry
 from firmware_bridge.teleop.texts import InterlockTexts
-from firmware_bridge.teleop.trust import Stamps, Trust, is_signed
 from firmware_bridge.units import NEVER, Nanoseconds
 
 RADIO_STATUS: Final = dialect.MAVLINK_MSG_ID_RADIO_STATUS

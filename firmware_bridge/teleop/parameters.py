@@ -9,9 +9,9 @@ import struct
 from dataclasses import dataclass
 from typing import Any, Final
 
+from firmware_bridge.mavlink.frames import Message, dialect, text_of
+from firmware_bridge.mavlink.schedule import Schedule
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.teleop.mavlink import Message, dialect, text_of
-from firmware_bridge.teleop.schedule import Schedule
 from firmware_bridge.teleop.station import Fixed
 from firmware_bridge.units import SECOND
 

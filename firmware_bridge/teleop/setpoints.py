@@ -10,8 +10,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from firmware_bridge.mavlink.frames import Message, dialect
 from firmware_bridge.teleop.manual_control import StickPosition
-from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.station import Channel, Place, Stick, StickAxis, Twist, Unusable, Velocity
 
 BODY_FRAMES: Final = frozenset(

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Final
 
+from firmware_bridge.mavlink.frames import Message, dialect
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.operator_link import TelemetryProfile
-from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.station import AnyStation, AnyValue
 from firmware_bridge.teleop.telemetry import (
     TelemetryContext,

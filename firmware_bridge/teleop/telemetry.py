@@ -9,9 +9,9 @@ from collections.abc import Iterator
 from typing import Final
 
 from firmware_bridge.drivers.driver import Feedback
+from firmware_bridge.mavlink.frames import Message, dialect
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.snapshot import AnySnapshot
-from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.station import AnyStation, Twist
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 from firmware_bridge.value import valueclass

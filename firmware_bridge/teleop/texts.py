@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import Final
 
+from firmware_bridge.mavlink.frames import Message, dialect, text_of
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.safety.snapshot import ActiveInterlock
-from firmware_bridge.teleop.mavlink import Message, dialect, text_of
 from firmware_bridge.units import SECOND, Nanoseconds
 
 CHUNK: Final = 50

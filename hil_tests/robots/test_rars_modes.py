@@ -8,6 +8,7 @@ import pytest
 
 from firmware_bridge.drivers.driver import Feedback, Speed
 from firmware_bridge.intent import USUAL_AGE_LIMIT
+from firmware_bridge.mavlink import modes
 from firmware_bridge.motion import davis
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot_types import find
@@ -15,7 +16,6 @@ from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.robots.rars.modes import STEERS_PER_M_S
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.safety.interlock import View
-from firmware_bridge.teleop import modes
 from firmware_bridge.units import SECOND
 from hil_tests.robots.test_rars_body import axes
 from hil_tests.rows import every

@@ -2,9 +2,9 @@
 
 from typing import Any
 
+from firmware_bridge.mavlink.frames import Codec, dialect, text_of
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.teleop.mavlink import Codec, dialect, text_of
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.internet import number_of
 from hil_tests.scenarios.ride import Ride

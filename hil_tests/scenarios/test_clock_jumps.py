@@ -6,10 +6,10 @@ import pytest
 
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.rig import Rig
+from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot_types import find
-from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, from_seconds
 
 SPEED_MPS: Final = 0.03

@@ -2,9 +2,9 @@
 
 import pytest
 
+from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.internet import number_of
 from hil_tests.scenarios.foreign_node import ForeignNode

@@ -9,13 +9,13 @@ from emulators.bench import mission as missions
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.piloted import PilotedMission
 from emulators.rig import Rig
+from firmware_bridge.mavlink.frames import Codec, text_of
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.pilot.driver import Stick
 from firmware_bridge.pilot.profiles import PROFILES
 from firmware_bridge.pilot.station import PilotStation
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
-from firmware_bridge.teleop.mavlink import Codec, text_of
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 
 ROBOT: Final = find("rars")

@@ -5,11 +5,11 @@ from typing import Any
 
 import pytest
 
+from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import UnknownAge
 from firmware_bridge.robot_types import find
-from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import SECOND, Nanoseconds
 from firmware_bridge.wire.internet import number_of
 from hil_tests.scenarios.ride import Ridden, Ride, step

@@ -15,13 +15,13 @@ from firmware_bridge.families.epos2.settings import Epos2Link
 from firmware_bridge.families.motor_shield.driver.link_drivers import over_protocol
 from firmware_bridge.families.motor_shield.settings import ShieldLink, ShieldProtocol
 from firmware_bridge.family import family_of
+from firmware_bridge.mavlink.age import ROWS as AGES
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot_type import AnyRobotType
 from firmware_bridge.safety.common import AXIS_INTERLOCKS, EXCLUDED_AXIS, whole_robot_interlocks
 from firmware_bridge.safety.interlock import AxisInterlock
 from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.safety.tracking import bounds_of, within
-from firmware_bridge.teleop.age import ROWS as AGES
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 Cells: TypeAlias = tuple[str, ...]

@@ -3,14 +3,14 @@
 from collections.abc import Iterator
 from typing import Final, TypeAlias
 
+from firmware_bridge.mavlink.frames import dialect
+from firmware_bridge.mavlink.lacking import LACKING
+from firmware_bridge.mavlink.modes import ROWS as MODES
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_type import AnyRobotType
 from firmware_bridge.robot_types import find, robot_type_of
 from firmware_bridge.teleop.commands import ROWS as COMMANDS
-from firmware_bridge.teleop.lacking import LACKING
 from firmware_bridge.teleop.manual_control import AXES
-from firmware_bridge.teleop.mavlink import dialect
-from firmware_bridge.teleop.modes import ROWS as MODES
 from firmware_bridge.teleop.station import USUAL_CHANNELS, AnyStation, Stick, StickAxis
 from firmware_bridge.teleop.streams import load, narrowest, streams_of
 from firmware_bridge.units import Nanoseconds, to_seconds

@@ -19,13 +19,13 @@ from firmware_bridge.intent import (
     Intent,
     Request,
 )
+from firmware_bridge.mavlink.frames import Codec
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.safety.snapshot import ActiveInterlock, Snapshot
-from firmware_bridge.teleop.mavlink import Codec
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from hil_tests.safety import gate_bench

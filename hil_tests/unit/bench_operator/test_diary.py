@@ -5,12 +5,12 @@ import math
 import pytest
 
 from emulators.bench.log import Subject
+from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.safety.interlock_base import InterlockBase
 from firmware_bridge.safety.snapshot import ActiveInterlock
-from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.bench_operator.joined import join, mission
 

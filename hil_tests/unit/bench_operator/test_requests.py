@@ -5,10 +5,10 @@ import pytest
 from emulators.bench.foreign_datagrams import Stray
 from emulators.bench.log import Subject
 from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, Request
+from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.robots.rars.motion import RarsMotion
-from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import SECOND, from_seconds
 from hil_tests.unit.bench_operator.joined import join, mission
 

@@ -10,11 +10,11 @@ from emulators.wires.datagram import DatagramWire
 from emulators.world import World
 from firmware_bridge.bridge import Bridge, Life
 from firmware_bridge.families.epos2.settings import Epos2Link
+from firmware_bridge.mavlink.frames import Codec, dialect, text_of
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.guard import Guarded, guarded
-from firmware_bridge.teleop.mavlink import Codec, dialect, text_of
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 LINK = "drives"

@@ -7,10 +7,10 @@ import pytest
 
 from firmware_bridge import robot_types
 from firmware_bridge.bridge import Bridge
+from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.robots.rars import ROBOT_TYPE
-from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.internet import number_of
 from hil_tests.unit.bridge.bench import ACCEPTED, ARM, DENIED, RPM_AT_03, driving

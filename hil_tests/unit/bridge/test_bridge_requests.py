@@ -7,7 +7,7 @@ import pytest
 
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import PowerState
-from firmware_bridge.teleop.mavlink import dialect
+from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.bridge.bench import ACCEPTED, ARM, DENIED, RPM_AT_03, TEMPORARILY_REJECTED, driving
 

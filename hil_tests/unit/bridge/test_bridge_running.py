@@ -10,12 +10,12 @@ from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.canopen_drive.driver.scale import Scale
 from firmware_bridge.families.epos2.wire import address as at
+from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.motion.scissor import screw_from_height
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.plausibility import Plausibility
 from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars import ROBOT_TYPE
-from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.unit.bridge.bench import ACCEPTED, ARM, RPM_AT_03, driving
 

@@ -8,7 +8,7 @@ from firmware_bridge.bridge import Life
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.drivers.life_cycle import Task
-from firmware_bridge.teleop.mavlink import dialect
+from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.units import MILLISECOND
 from hil_tests.unit.bridge.bench import ACCEPTED, ARM, DENIED, RPM_AT_03, TEMPORARILY_REJECTED, driving
 

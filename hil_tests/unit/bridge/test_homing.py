@@ -13,9 +13,9 @@ from firmware_bridge.canopen.cia402 import ControlwordBit, PowerState
 from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.intent import ConfirmPosition
+from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.robot import Axis
 from firmware_bridge.robots.rars import ROBOT_TYPE
-from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import SECOND, Nanoseconds
 from hil_tests.scenarios.homed import LIFT as FILE
 from hil_tests.scenarios.homed import STEER as STEERS

@@ -14,9 +14,9 @@ from firmware_bridge.canopen.cia402 import PowerState
 from firmware_bridge.drivers.life_cycle import DriverState
 from firmware_bridge.families.epos2.wire import address as at
 from firmware_bridge.intent import ConfirmPosition
+from firmware_bridge.mavlink.frames import dialect
+from firmware_bridge.mavlink.modes import number_of_own
 from firmware_bridge.robots.rars import ROBOT_TYPE
-from firmware_bridge.teleop.mavlink import dialect
-from firmware_bridge.teleop.modes import number_of_own
 from hil_tests.unit.bridge.bench import ACCEPTED, DENIED, LIFT, STANDS, STEER, TEMPORARILY_REJECTED, driving
 
 if TYPE_CHECKING:

@@ -8,10 +8,10 @@ from firmware_bridge.bridge import Bridge
 from firmware_bridge.cli.leaving import AGAIN_WITHIN, Leaving
 from firmware_bridge.cli.narrated import Narrated
 from firmware_bridge.cli.remembered import Remembered
+from firmware_bridge.mavlink.trust import Trust
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.runtime.last_places import LastPlaces
-from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import SECOND, Nanoseconds
 from hil_tests.safety.driving import robot_of
 

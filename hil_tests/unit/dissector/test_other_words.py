@@ -8,9 +8,9 @@ from firmware_bridge.families.epos2.maxon.frame import Failure, Generation, Maxo
 from firmware_bridge.families.epos2.maxon.messages import ObjectRead, ReadObject
 from firmware_bridge.families.epos2.maxon.opcodes import encode_answer, row_of
 from firmware_bridge.families.epos2.maxon.packets import MAXON, command, outcome_packet
+from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.node import CAN, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet
-from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.wire.maxon_dialogues import Cut, dialogue, every_exchange, fragmented
 from hil_tests.wire.maxon_frames import Exchange

@@ -4,6 +4,7 @@ import struct
 
 import pytest
 
+from firmware_bridge.mavlink.frames import Codec, Message, dialect
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.pilot.cockpit import HAND, Cockpit
@@ -12,7 +13,6 @@ from firmware_bridge.pilot.hand import StickInput
 from firmware_bridge.pilot.joystick import DEVICES, FULL, At, Controls, Device, is_gamepad
 from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.pilot.station import PilotStation
-from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND
 
 ROW = Device(

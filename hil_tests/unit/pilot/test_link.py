@@ -1,7 +1,7 @@
 import pytest
 
+from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.pilot.link import PilotLink
-from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 AHEAD: Nanoseconds = 77 * SECOND

@@ -27,6 +27,7 @@ from firmware_bridge.drivers.life_cycle import AT_REST, TABLE, DriverState, Task
 from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.intent import Answer, Arm, Request
+from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.motion.odometry import moved
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.packet import Packet
@@ -36,7 +37,6 @@ from firmware_bridge.robot_type import RobotMode, RobotType
 from firmware_bridge.robot_types import robot_type_named
 from firmware_bridge.safety.interlock import Interlock, View
 from firmware_bridge.safety.snapshot import Snapshot
-from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.teleop.station import Station, Stick, Twist, Unusable, Velocity
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds, to_seconds

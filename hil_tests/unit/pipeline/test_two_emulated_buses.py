@@ -11,12 +11,12 @@ from emulators.wires.ends import Observer
 from emulators.world import World
 from firmware_bridge.bridge import Bridge, Life
 from firmware_bridge.families.epos2.settings import Epos2Axis, Epos2Link
+from firmware_bridge.mavlink.frames import Codec, dialect
+from firmware_bridge.mavlink.modes import number_of_own
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.guard import guarded
-from firmware_bridge.teleop.mavlink import Codec, dialect
-from firmware_bridge.teleop.modes import number_of_own
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from hil_tests.unit.pipeline.cart import ROBOT_TYPE, TOOL, WHEELS, Sizes, cart
 

@@ -8,10 +8,10 @@ from emulators.replay.comparison import Frames, Messages, first
 from emulators.replay.player import Player
 from emulators.replay.recordings import RecordedPacket, Recording
 from emulators.replay.senders import BRIDGE, OPERATOR_STATION, UNKNOWN, Sent, frames_of, messages_of
+from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import find
-from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.can import EXTENDED, REMOTE
 

@@ -6,10 +6,10 @@ from emulators.replay.comparison import Messages, first
 from emulators.replay.earlier_texts import AllButTexts, answers_of
 from emulators.replay.recordings import RecordedPacket
 from emulators.replay.senders import BRIDGE, Sent
+from firmware_bridge.mavlink.frames import Codec, Message, dialect
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.renamed import RenamedWarning
-from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 

@@ -14,10 +14,10 @@ from emulators.replay.recordings import Recording, cut_off, read_can, read_lines
 from firmware_bridge.cli import program
 from firmware_bridge.families.epos2.driver.serial.link_drivers import over_serial
 from firmware_bridge.families.epos2.maxon.frame import Generation
+from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import candump_line, tlog_records
 from firmware_bridge.robot_types import find
-from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import SECOND
 
 RARS = find("rars")

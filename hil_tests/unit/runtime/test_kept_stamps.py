@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from firmware_bridge.mavlink.trust import NO_STAMPS, UNIT, Stamps
 from firmware_bridge.runtime.kept_stamps import EVERY, DamagedStampsError, KeptStamps
-from firmware_bridge.teleop.trust import NO_STAMPS, UNIT, Stamps
 from firmware_bridge.units import SECOND
 
 STATION, OTHER = (255, 190, 1), (254, 190, 0)

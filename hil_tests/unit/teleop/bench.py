@@ -16,6 +16,8 @@ from firmware_bridge.intent import (
     EnterMode,
     Request,
 )
+from firmware_bridge.mavlink.frames import Codec, dialect
+from firmware_bridge.mavlink.trust import Trust
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot, Table
 from firmware_bridge.robots.rars.geometry import RarsGeometry
@@ -23,11 +25,9 @@ from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.robots.rars.station import STATION
 from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.safety.snapshot import ActiveInterlock, Facts, Snapshot
-from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.teleop.session import ANY_STATION
 from firmware_bridge.teleop.station import Station
-from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 G = TypeVar("G", bound=Table)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from firmware_bridge.teleop.mavlink import Codec, dialect
+from firmware_bridge.mavlink.frames import Codec, dialect
 from hil_tests.unit.teleop.bench import acks
 
 if TYPE_CHECKING:

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, Pause, Resume
+from firmware_bridge.mavlink.age import BOOT_WRAPS, ROWS
+from firmware_bridge.mavlink.frames import Codec, dialect
+from firmware_bridge.mavlink.round_trips import EVERY, LOSS_OVER, MOST_OPEN, Losses, RoundTrips
+from firmware_bridge.mavlink.trust import Trust
 from firmware_bridge.robot import UnknownAge
-from firmware_bridge.teleop.age import BOOT_WRAPS, ROWS
-from firmware_bridge.teleop.mavlink import Codec, dialect
-from firmware_bridge.teleop.round_trips import EVERY, LOSS_OVER, MOST_OPEN, Losses, RoundTrips
-from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.bench import CYCLE, rars, target_message
 from hil_tests.unit.teleop.received import texts

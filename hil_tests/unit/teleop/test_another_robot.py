@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from firmware_bridge.intent import Answer, EmergencyStop, EnterMode, Pause
+from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.teleop.manual_control import UNUSED
-from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.station import Actuator, Fixed, Station, Switch, Value
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.lanes import examples

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from firmware_bridge.intent import NEVER_RECEIVED, Answer
+from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.robots.rars.motion import RarsMotion
-from firmware_bridge.teleop.mavlink import Codec, dialect
 from hil_tests.lanes import examples
 from hil_tests.unit.teleop.bench import rars
 from hil_tests.unit.teleop.received import types

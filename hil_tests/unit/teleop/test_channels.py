@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.teleop.mavlink import dialect
+from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.teleop.setpoints import channels_of, stick_of_channels
 from firmware_bridge.teleop.station import USUAL_CHANNELS, Channel, Stick, StickAxis, Unusable
 from firmware_bridge.units import MILLISECOND, SECOND

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.teleop.clock_fit import (
+from firmware_bridge.mavlink.clock_fit import (
     EXPIRES_AFTER,
     LEAST_OVER,
     PROVEN_AFTER,

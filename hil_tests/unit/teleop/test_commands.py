@@ -21,8 +21,8 @@ from firmware_bridge.intent import (
     ResetOdometry,
     Resume,
 )
+from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.teleop.commands import ROWS
-from firmware_bridge.teleop.mavlink import dialect
 from hil_tests.unit.teleop.bench import acks, bench_of
 from hil_tests.unit.teleop.received import texts
 

@@ -16,9 +16,9 @@ from firmware_bridge.intent import (
     Disarm,
     EmergencyStop,
 )
+from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.teleop.commands import ROWS
 from firmware_bridge.teleop.control import LAPSES_AFTER, Sender
-from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.session import MOST_PEERS
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.internet import number_of

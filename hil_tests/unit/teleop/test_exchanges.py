@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from firmware_bridge.teleop.mavlink import dialect
+from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.units import MILLISECOND
 from hil_tests.unit.teleop.received import types
 

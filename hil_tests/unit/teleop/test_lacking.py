@@ -8,8 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.teleop.lacking import ACK, FILE_NOT_FOUND, INVALID_SESSION, LACKING, NAK, UNKNOWN_COMMAND
-from firmware_bridge.teleop.mavlink import dialect
+from firmware_bridge.mavlink.frames import dialect
+from firmware_bridge.mavlink.lacking import (
+    ACK,
+    FILE_NOT_FOUND,
+    INVALID_SESSION,
+    LACKING,
+    NAK,
+    UNKNOWN_COMMAND,
+)
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.internet import number_of
 from hil_tests.unit.teleop.bench import rars, target_message

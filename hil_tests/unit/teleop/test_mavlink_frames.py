@@ -9,7 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from firmware_bridge.teleop.mavlink import Codec, concerns, dialect, text_of
+from firmware_bridge.mavlink.frames import Codec, concerns, dialect, text_of
 from hil_tests.lanes import examples
 from hil_tests.rows import every
 
@@ -204,7 +204,7 @@ def test_only_wanted_messages_are_unpacked() -> None:
 def test_the_environment_cannot_switch_the_checksum_off() -> None:
     wrong = ARM[:-1] + bytes([ARM[-1] ^ 1])
     script = (
-        "from firmware_bridge.teleop.mavlink import Codec\n"
+        "from firmware_bridge.mavlink.frames import Codec\n"
         f"print(len(Codec(9, 9).decode(bytes.fromhex('{wrong.hex()}'))))"
     )
     run = subprocess.run(

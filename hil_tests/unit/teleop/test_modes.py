@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_bridge.intent import EnterMode, Pause
-from firmware_bridge.teleop.mavlink import dialect
-from firmware_bridge.teleop.modes import ROWS, DrivingMode, in_px4, number_of, px4, requested
+from firmware_bridge.mavlink.frames import dialect
+from firmware_bridge.mavlink.modes import ROWS, DrivingMode, in_px4, number_of, px4, requested
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.internet import number_of as place_at
 from hil_tests.unit.teleop.bench import CYCLE, acks, target_message

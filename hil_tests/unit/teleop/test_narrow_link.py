@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from firmware_bridge.teleop.mavlink import dialect
+from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.bench import CYCLE, RarsBench, rars, rars_file
 

@@ -9,8 +9,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from firmware_bridge.intent import EmergencyStop
-from firmware_bridge.teleop.mavlink import Codec, dialect
-from firmware_bridge.teleop.numbered import FAR, FAR_LEAST, LEAST, Numbered
+from firmware_bridge.mavlink.frames import Codec, dialect
+from firmware_bridge.mavlink.numbered import FAR, FAR_LEAST, LEAST, Numbered
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.bench import RarsBench, rars
 from hil_tests.unit.teleop.received import texts

@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.robot import CommandForm, Robot
 from firmware_bridge.robot_types import find
 from firmware_bridge.robots.servo_axis.geometry import AxisGeometry
 from firmware_bridge.robots.servo_axis.motion import AxisMotion, AxisState
 from firmware_bridge.robots.servo_axis.station import STATION
-from firmware_bridge.teleop.mavlink import dialect
 from hil_tests.unit.teleop.bench import Bench
 from hil_tests.unit.teleop.received import texts
 from hil_tests.unit.teleop.toy import toy

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_bridge import robot_types
+from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.teleop.manual_control import UNUSED, Lever, stick_of
-from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.setpoints import pressed, velocity_of
 from firmware_bridge.teleop.station import Stick, Twist, Unusable, Velocity
 from hil_tests.unit.teleop.bench import bench_of, target_message

@@ -13,7 +13,7 @@ import pytest
 from pymavlink import mavutil
 
 from firmware_bridge.intent import Arm, Disarm, EmergencyStop
-from firmware_bridge.teleop.mavlink import dialect
+from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.internet import number_of
 from hil_tests.unit.teleop.bench import CYCLE, acks, target_message

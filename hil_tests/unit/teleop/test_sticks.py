@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from firmware_bridge.intent import NEVER_RECEIVED, Arm, ClearEmergencyStop, EmergencyStop
+from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.robots.rars.motion import RarsMotion
-from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.received import texts
 

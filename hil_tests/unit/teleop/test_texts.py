@@ -3,9 +3,9 @@
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from firmware_bridge.mavlink.frames import Codec
 from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.safety.snapshot import ActiveInterlock
-from firmware_bridge.teleop.mavlink import Codec
 from firmware_bridge.teleop.texts import InterlockTexts, Received, Speaker, TextCollector, chunks
 from firmware_bridge.units import SECOND
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from pymavlink.dialects.v20 import common as mavlink
 
 from firmware_bridge.intent import Arm, EmergencyStop
-from firmware_bridge.teleop.mavlink import Codec, dialect
-from firmware_bridge.teleop.trust import EPOCH, OLDEST, UNIT, Trust, is_signed
+from firmware_bridge.mavlink.frames import Codec, dialect
+from firmware_bridge.mavlink.trust import EPOCH, OLDEST, UNIT, Trust, is_signed
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.internet import number_of
 from hil_tests.unit.teleop.bench import CYCLE, RarsBench, acks, rars

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from pymavlink.dialects.v10 import all as mavlink_1
 
-from firmware_bridge.teleop.mavlink import WITHOUT_EXTENSIONS, Codec, dialect
-from firmware_bridge.teleop.trust import Trust
+from firmware_bridge.mavlink.frames import WITHOUT_EXTENSIONS, Codec, dialect
+from firmware_bridge.mavlink.trust import Trust
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.internet import number_of
 from hil_tests.rows import every

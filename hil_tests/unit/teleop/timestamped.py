@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from firmware_bridge.teleop.age import BOOT_WRAPS
-from firmware_bridge.teleop.mavlink import Codec, dialect
-from firmware_bridge.teleop.trust import EPOCH, UNIT, Trust
+from firmware_bridge.mavlink.age import BOOT_WRAPS
+from firmware_bridge.mavlink.frames import Codec, dialect
+from firmware_bridge.mavlink.trust import EPOCH, UNIT, Trust
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.internet import number_of
 from hil_tests.unit.teleop.bench import CYCLE, RarsBench, rars, target_message

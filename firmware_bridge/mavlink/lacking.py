@@ -8,7 +8,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final, TypeAlias
 
-from firmware_bridge.teleop.mavlink import Message, dialect
+from firmware_bridge.mavlink.frames import Message, dialect
 
 Address: TypeAlias = tuple[int, int]
 Refusal: TypeAlias = Callable[[Message, Address], Message | None]

@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING, Final
 
-from firmware_bridge.teleop.mavlink import Codec, Message, dialect
-from firmware_bridge.teleop.modes import CARRIERS, in_px4
+from firmware_bridge.mavlink.frames import Codec, Message, dialect
+from firmware_bridge.mavlink.modes import CARRIERS, in_px4
 
 if TYPE_CHECKING:
-    from firmware_bridge.teleop.schedule import Schedule
+    from firmware_bridge.mavlink.schedule import Schedule
 
 
 class Voice:

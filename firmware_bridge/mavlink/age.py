@@ -11,10 +11,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, NamedTuple, TypeAlias
 
-from firmware_bridge.teleop.clock_fit import AnsweredClock, ReceivedClock
-from firmware_bridge.teleop.mavlink import Message, dialect
-from firmware_bridge.teleop.round_trips import Losses, RoundTrips
-from firmware_bridge.teleop.trust import UNIT, stamp_of
+from firmware_bridge.mavlink.clock_fit import AnsweredClock, ReceivedClock
+from firmware_bridge.mavlink.frames import Message, dialect
+from firmware_bridge.mavlink.round_trips import Losses, RoundTrips
+from firmware_bridge.mavlink.trust import UNIT, stamp_of
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 TIED_WITHIN: Final[Nanoseconds] = 2 * SECOND

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final, NamedTuple
 
-from firmware_bridge.teleop.mavlink import Message, dialect
+from firmware_bridge.mavlink.frames import Message, dialect
 
 
 class DrivingMode(Enum):

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
-from firmware_bridge.teleop.mavlink import Codec, Message
+from firmware_bridge.mavlink.frames import Codec, Message
 from firmware_bridge.units import SECOND, Nanoseconds
 from firmware_bridge.wire.internet import host_and_port
 
