@@ -21,7 +21,7 @@ from firmware_bridge.safety.interlock import Interlock, Limit
 from firmware_bridge.safety.kinematic_model import KinematicModel
 from firmware_bridge.safety.rules import Rules
 from firmware_bridge.safety.snapshot import Group, Snapshot
-from firmware_bridge.teleop.station import Station
+from firmware_bridge.teleop.station import StationRows
 from firmware_bridge.units import Nanoseconds
 
 G = TypeVar("G", bound=Table)
@@ -97,7 +97,7 @@ class RobotType(Generic[G, M, S]):
     """
     reach: Callable[[Robot[G]], Iterable[tuple[M, S]]]
     """The motions at the corners of what the limits allow, with the state in which they ask the most."""
-    station: Station[G, M, S]
+    station: StationRows[G, M, S]
     unrolled: Callable[[Robot[G]], Callable[[SeenPose, Pose], Pose]] | None = None
     """Map from a robot's pose seen in the room to the pose on its ground, near the second, its assumed pose.
 

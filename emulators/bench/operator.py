@@ -17,10 +17,10 @@ from emulators.bench.log import Diary, Subject, place_of
 from emulators.bench.mission import Mission
 from emulators.bench.step import Step
 from firmware_bridge.mavlink.frames import Codec, Message, dialect, text_of
+from firmware_bridge.mavlink.texts import TextCollector
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.teleop.texts import TextCollector
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, from_seconds
 
 SYSTEM: Final = 255

@@ -295,7 +295,7 @@ def _far(node: Node, slow: "Conditions | None") -> Node:
 def texts_of() -> Texts:
     """Return what reads the bridge's texts out of its datagrams, whole."""
     from firmware_bridge.mavlink.frames import Codec, dialect
-    from firmware_bridge.teleop.texts import TextCollector
+    from firmware_bridge.mavlink.texts import TextCollector
 
     codec, listener = Codec(0, 0), TextCollector()
     wanted = frozenset({dialect.MAVLINK_MSG_ID_STATUSTEXT})

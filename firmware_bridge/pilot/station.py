@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from firmware_bridge.mavlink.frames import Message, dialect, text_of
+from firmware_bridge.mavlink.texts import TextCollector
 from firmware_bridge.mavlink.trust import Signatures, Stamps, Trust
 from firmware_bridge.motion.model import Moving
 from firmware_bridge.motion.pose import Pose
@@ -18,7 +19,6 @@ from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.pilot.profiles import ORDER, USUAL, Profile
 from firmware_bridge.teleop.session import ANY_STATION
 from firmware_bridge.teleop.telemetry import ROLLING, UNKNOWN_U16
-from firmware_bridge.teleop.texts import TextCollector
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 
 SYSTEM: Final = 255

@@ -6,23 +6,21 @@ A command that has no row is UNSUPPORTED. Sources: common.xml, MAV_CMD; MAVLink 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeAlias
 
 from firmware_bridge import intent
 from firmware_bridge.mavlink import modes
-from firmware_bridge.mavlink.frames import Message, dialect
-from firmware_bridge.teleop.exchange import Exchange
-from firmware_bridge.teleop.order import (
+from firmware_bridge.mavlink.command import (
     ACCEPTED,
     UNSUPPORTED,
-    Action,
-    Order,
-    OrderAnswer,
+    Command,
+    CommandAnswer,
     Result,
     denied,
-    judged,
     whole,
 )
+from firmware_bridge.mavlink.frames import Message, dialect
+from firmware_bridge.teleop.exchange import Exchange
 from firmware_bridge.teleop.setpoints import pressed
 from firmware_bridge.teleop.station import FASTEST, AnyStation
 from firmware_bridge.units import NEVER
@@ -30,17 +28,25 @@ from firmware_bridge.units import NEVER
 FORCE: Final = 21196
 """The second parameter of COMPONENT_ARM_DISARM that means: without checks (common.xml)."""
 MAV_CMD_REQUEST_OPERATOR_CONTROL: Final = 32100
-"""Of development.xml; pymavlink has it in no dialect that carries the rest."""
+"""Of development.xml; no dialect of pymavlink has it."""
 _TERMINATES: Final = 0.5
 """Threshold of DO_FLIGHTTERMINATION's parameter for a termination (common.xml)."""
 _LARGEST_NUMBER: Final = 0xFFFF
 """MESSAGE_INTERVAL carries 16 bits of a message's number."""
 _LONGEST_INTERVAL_US: Final = 0x7FFF_FFFF
+Action: TypeAlias = Callable[[Command, Exchange], CommandAnswer]
 
 
-def _arm_or_disarm(order: Order, exchange: Exchange) -> OrderAnswer:
-    force = order.params[1] == FORCE
-    match order.params[0]:
+def judged(verdict: intent.Answer) -> CommandAnswer:
+    """Return the bridge's verdict as a command's answer."""
+    if verdict.accepted:
+        return ACCEPTED
+    return CommandAnswer(Result.TEMPORARILY_REJECTED if verdict.temporary else Result.DENIED, verdict.reason)
+
+
+def _arm_or_disarm(command: Command, exchange: Exchange) -> CommandAnswer:
+    force = command.params[1] == FORCE
+    match command.params[0]:
         case 0.0:
             return judged(exchange.request(intent.Disarm(force=force)))
         case 1.0 if force:
@@ -50,14 +56,14 @@ def _arm_or_disarm(order: Order, exchange: Exchange) -> OrderAnswer:
     return denied("arm: parameter 1 must be 0 or 1")
 
 
-def _terminate(order: Order, exchange: Exchange) -> OrderAnswer:
-    if _terminates(order):
+def _terminate(command: Command, exchange: Exchange) -> CommandAnswer:
+    if _terminates(command):
         return judged(exchange.request(intent.EmergencyStop(final=True)))
     return denied("termination is undone by a restart of the bridge only")
 
 
-def _safety_switch(order: Order, exchange: Exchange) -> OrderAnswer:
-    match order.params[0]:
+def _safety_switch(command: Command, exchange: Exchange) -> CommandAnswer:
+    match command.params[0]:
         case dialect.SAFETY_SWITCH_STATE_SAFE:
             return judged(exchange.request(intent.EmergencyStop()))
         case dialect.SAFETY_SWITCH_STATE_DANGEROUS:
@@ -65,11 +71,11 @@ def _safety_switch(order: Order, exchange: Exchange) -> OrderAnswer:
     return denied("safety switch: parameter 1 must be 0 (stop) or 1 (clear)")
 
 
-def _relay(order: Order, exchange: Exchange) -> OrderAnswer:
+def _relay(command: Command, exchange: Exchange) -> CommandAnswer:
     relays = {switch.relay: switch for switch in exchange.station.switches}
     if not relays:
         return UNSUPPORTED
-    number, on = whole(order.params[0]), order.params[1]
+    number, on = whole(command.params[0]), command.params[1]
     if number is None or number not in relays:
         known = ", ".join(f"{relay} {switch.name}" for relay, switch in relays.items())
         return denied(f"relay: {known}; there are no others")
@@ -79,24 +85,24 @@ def _relay(order: Order, exchange: Exchange) -> OrderAnswer:
     return ACCEPTED
 
 
-def _illuminate(order: Order, exchange: Exchange) -> OrderAnswer:
+def _illuminate(command: Command, exchange: Exchange) -> CommandAnswer:
     lamps = [switch for switch in exchange.station.switches if switch.illuminates]
     if not lamps:
         return UNSUPPORTED
-    if order.params[0] not in (0.0, 1.0):
+    if command.params[0] not in (0.0, 1.0):
         return denied(f"{', '.join(lamp.name for lamp in lamps)}: parameter 1 must be 0 or 1")
     for lamp in lamps:
-        exchange.switch(lamp, on=bool(order.params[0]))
+        exchange.switch(lamp, on=bool(command.params[0]))
     return ACCEPTED
 
 
-def _actuator(order: Order, exchange: Exchange) -> OrderAnswer:
+def _actuator(command: Command, exchange: Exchange) -> CommandAnswer:
     """Set actuators: NaN leaves one where it is (common.xml), and 0 one that is not there."""
     names = [actuator.name for actuator in exchange.station.actuators]
     if not names:
         return UNSUPPORTED
-    shares, others = order.params[: len(names)], order.params[len(names) : 6]
-    if order.params[6] != 0.0 or not all(math.isnan(other) or other == 0.0 for other in others):
+    shares, others = command.params[: len(names)], command.params[len(names) : 6]
+    if command.params[6] != 0.0 or not all(math.isnan(other) or other == 0.0 for other in others):
         return denied(f"actuator: set 0 has {', '.join(names)}; there are no others")
     named = [(place, share) for place, share in enumerate(shares) if not math.isnan(share)]
     beyond = [place for place, share in named if not -1.0 <= share <= 1.0]
@@ -110,27 +116,27 @@ def _actuator(order: Order, exchange: Exchange) -> OrderAnswer:
     return ACCEPTED
 
 
-def _request_message(order: Order, exchange: Exchange) -> OrderAnswer:
-    number = whole(order.params[0])
-    sent = number is not None and exchange.send(number, whole(order.params[1]) or 0)
+def _request_message(command: Command, exchange: Exchange) -> CommandAnswer:
+    number = whole(command.params[0])
+    sent = number is not None and exchange.send(number, whole(command.params[1]) or 0)
     return ACCEPTED if sent else UNSUPPORTED
 
 
-def _capabilities(order: Order, exchange: Exchange) -> OrderAnswer:
-    if order.params[0] == 1.0:
+def _capabilities(command: Command, exchange: Exchange) -> CommandAnswer:
+    if command.params[0] == 1.0:
         exchange.send(dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
     return ACCEPTED
 
 
-def _send_home(_: Order, exchange: Exchange) -> OrderAnswer:
+def _send_home(_: Command, exchange: Exchange) -> CommandAnswer:
     """Send where the odometry begins; before the first cycle nothing is known of it."""
     sent = exchange.send(dialect.MAVLINK_MSG_ID_HOME_POSITION)
-    return ACCEPTED if sent else OrderAnswer(Result.TEMPORARILY_REJECTED, "home: the bridge is starting")
+    return ACCEPTED if sent else CommandAnswer(Result.TEMPORARILY_REJECTED, "home: the bridge is starting")
 
 
-def _change_interval(order: Order, exchange: Exchange) -> OrderAnswer:
+def _change_interval(command: Command, exchange: Exchange) -> CommandAnswer:
     """Change a message's interval to this station; more often than others only with control."""
-    number, wanted = whole(order.params[0]), order.params[1]
+    number, wanted = whole(command.params[0]), command.params[1]
     default = None if number is None else exchange.session.schedule.default(number)
     if number is None or default is None:
         return UNSUPPORTED
@@ -143,8 +149,8 @@ def _change_interval(order: Order, exchange: Exchange) -> OrderAnswer:
     return ACCEPTED if refused is None else denied(refused)
 
 
-def _send_interval(order: Order, exchange: Exchange) -> OrderAnswer:
-    number = whole(order.params[0])
+def _send_interval(command: Command, exchange: Exchange) -> CommandAnswer:
+    number = whole(command.params[0])
     if number is None or number > _LARGEST_NUMBER:
         return denied("message interval: parameter 1 must be a message number up to 65535")
     period = exchange.schedule.period(number)
@@ -154,8 +160,8 @@ def _send_interval(order: Order, exchange: Exchange) -> OrderAnswer:
     return ACCEPTED
 
 
-def _pause(order: Order, exchange: Exchange) -> OrderAnswer:
-    match order.params[0]:
+def _pause(command: Command, exchange: Exchange) -> CommandAnswer:
+    match command.params[0]:
         case dialect.MAV_GOTO_DO_HOLD:
             return judged(exchange.request(intent.Pause()))
         case dialect.MAV_GOTO_DO_CONTINUE:
@@ -163,24 +169,24 @@ def _pause(order: Order, exchange: Exchange) -> OrderAnswer:
     return denied("pause: parameter 1 must be 0 (pause) or 1 (continue)")
 
 
-def _set_standard_mode(order: Order, exchange: Exchange) -> OrderAnswer:
+def _set_standard_mode(command: Command, exchange: Exchange) -> CommandAnswer:
     """Pause, whichever mode it is: a station that requests another mode no longer drives by hand."""
     paused = judged(exchange.request(intent.Pause()))
-    if order.params[0] == dialect.MAV_STANDARD_MODE_POSITION_HOLD:
+    if command.params[0] == dialect.MAV_STANDARD_MODE_POSITION_HOLD:
         return paused
     return denied("mode: of the standard modes only position hold; the robot is paused")
 
 
-def _set_mode(order: Order, exchange: Exchange) -> OrderAnswer:
+def _set_mode(command: Command, exchange: Exchange) -> CommandAnswer:
     """Enter a mode; one that cannot be entered now, or is none of the robot's, pauses it."""
-    entered = _enter_mode(order, exchange)
+    entered = _enter_mode(command, exchange)
     if entered.result is not Result.ACCEPTED:
         exchange.request(intent.Pause())
     return entered
 
 
-def _enter_mode(order: Order, exchange: Exchange) -> OrderAnswer:
-    session, main, sub = exchange.session, whole(order.params[1]), whole(order.params[2]) or 0
+def _enter_mode(command: Command, exchange: Exchange) -> CommandAnswer:
+    session, main, sub = exchange.session, whole(command.params[1]), whole(command.params[2]) or 0
     requested = None if main is None else modes.requested(main, sub, len(session.modes))
     if requested is None:
         known = [f"{row.number} {row.driving_mode.value}" for row in modes.ROWS]
@@ -202,29 +208,29 @@ def _enter_mode(order: Order, exchange: Exchange) -> OrderAnswer:
     return entered
 
 
-def _home(order: Order, exchange: Exchange) -> OrderAnswer:
-    if order.params[0] != 1.0:
+def _home(command: Command, exchange: Exchange) -> CommandAnswer:
+    if command.params[0] != 1.0:
         return denied("home: only the present place (parameter 1 = 1) can be the origin")
     return judged(exchange.request(intent.ResetOdometry()))
 
 
-def _confirm_position(order: Order, exchange: Exchange) -> OrderAnswer:
-    number, axes = whole(order.params[0]), exchange.session.robot.axes
+def _confirm_position(command: Command, exchange: Exchange) -> CommandAnswer:
+    number, axes = whole(command.params[0]), exchange.session.robot.axes
     # Counted from 1: a command of zeros alone names no axis.
     known = number is not None and 1 <= number <= len(axes)
-    axis = axes[number - 1].name if number is not None and known else f"axis {order.params[0]:g}"
-    return judged(exchange.request(intent.ConfirmPosition(axis, order.params[1])))
+    axis = axes[number - 1].name if number is not None and known else f"axis {command.params[0]:g}"
+    return judged(exchange.request(intent.ConfirmPosition(axis, command.params[1])))
 
 
-def _reboot(_: Order, exchange: Exchange) -> OrderAnswer:
+def _reboot(_: Command, exchange: Exchange) -> CommandAnswer:
     if exchange.armed:
         return denied("reboot: disarm first")
-    return OrderAnswer(Result.UNSUPPORTED, "reboot: restart the bridge's program where it runs")
+    return CommandAnswer(Result.UNSUPPORTED, "reboot: restart the bridge's program where it runs")
 
 
-def _request_control(order: Order, exchange: Exchange) -> OrderAnswer:
+def _request_control(command: Command, exchange: Exchange) -> CommandAnswer:
     """Take or give up control; stations of 2025 say in parameter 2 what those of 2026 say in parameter 1."""
-    first, second, third = order.params[:3]
+    first, second, third = command.params[:3]
     if first == 1.0:
         return change_control(exchange, requests=True, yields=second == 1.0)
     if first == 0.0 and second in (0.0, 1.0):
@@ -232,7 +238,7 @@ def _request_control(order: Order, exchange: Exchange) -> OrderAnswer:
     return denied("control: parameter 1 must be 0 (release) or 1 (request)")
 
 
-def change_control(exchange: Exchange, *, requests: bool, yields: bool) -> OrderAnswer:
+def change_control(exchange: Exchange, *, requests: bool, yields: bool) -> CommandAnswer:
     """Take or give up control; `yields`: and let any station take it over on request.
 
     The station in control receives the request, by the same command, so that it may ask its operator.
@@ -246,24 +252,20 @@ def change_control(exchange: Exchange, *, requests: bool, yields: bool) -> Order
         exchange.take_control(yields=yields)
     else:
         exchange.ask_driver(MAV_CMD_REQUEST_OPERATOR_CONTROL)
-        return OrderAnswer(Result.FAILED)
+        return CommandAnswer(Result.FAILED)
     return ACCEPTED
 
 
-def _never(_: Order) -> bool:
-    return False
+def _zero(command: Command) -> bool:
+    return command.params[0] == 0.0
 
 
-def _zero(order: Order) -> bool:
-    return order.params[0] == 0.0
+def _terminates(command: Command) -> bool:
+    return command.params[0] > _TERMINATES
 
 
-def _terminates(order: Order) -> bool:
-    return order.params[0] > _TERMINATES
-
-
-def _stops_by_mode(order: Order) -> bool:
-    main, sub = whole(order.params[1]), whole(order.params[2]) or 0
+def _stops_by_mode(command: Command) -> bool:
+    main, sub = whole(command.params[1]), whole(command.params[2]) or 0
     requested = None if main is None else modes.requested(main, sub, 0)
     return requested is not None and requested.driving_mode is modes.DrivingMode.HOLD
 
@@ -277,8 +279,8 @@ class Entry:
     does: str
     anyone: bool = False
     """True where it is obeyed of a station not in control; its request is judged there once more."""
-    stops: Callable[[Order], bool] = _never
-    """Return whether an order stops: it is carried out each time it is sent, as a repetition, too."""
+    stops: Callable[[Command], bool] = lambda _: False
+    """Return whether an command stops: it is carried out each time it is sent, as a repetition, too."""
 
 
 ROWS: Final = (
@@ -381,17 +383,17 @@ def requests_stop(message: Message, station: AnyStation) -> bool:
     return False
 
 
-def stops(order: Order) -> bool:
-    """Return whether an order stops, in whichever way."""
-    row = _BY_NUMBER.get(order.command)
-    return row is not None and row.stops(order)
+def stops(command: Command) -> bool:
+    """Return whether an command stops, in whichever way."""
+    row = _BY_NUMBER.get(command.number)
+    return row is not None and row.stops(command)
 
 
-def obey(order: Order, exchange: Exchange) -> OrderAnswer:
-    """Carry out an order, where it is possible, and where its sender may send it."""
-    row = _BY_NUMBER.get(order.command)
+def obey(command: Command, exchange: Exchange) -> CommandAnswer:
+    """Carry out an command, where it is possible, and where its sender may send it."""
+    row = _BY_NUMBER.get(command.number)
     if row is None:
         return UNSUPPORTED
     if exchange.refusal is not None and not row.anyone:
         return denied(exchange.refusal)
-    return row.act(order, exchange)
+    return row.act(command, exchange)

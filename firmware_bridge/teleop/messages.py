@@ -5,11 +5,11 @@ from functools import partial
 from typing import Final
 
 from firmware_bridge.intent import EmergencyStop
+from firmware_bridge.mavlink.command import Command, Result
 from firmware_bridge.mavlink.frames import Message, dialect, text_of
 from firmware_bridge.mavlink.lacking import LACKING, Refusal
 from firmware_bridge.teleop.commands import change_control, obey, requests_stop, stops
 from firmware_bridge.teleop.exchange import Exchange
-from firmware_bridge.teleop.order import Order, Result
 from firmware_bridge.teleop.session import REMEMBERED, AnsweredCommand
 from firmware_bridge.teleop.setpoints import pressed
 from firmware_bridge.teleop.station import Unusable
@@ -62,13 +62,13 @@ def _command(exchange: Exchange) -> None:
     last = (message.x, message.y) if message.get_type() == "COMMAND_INT" else (message.param5, message.param6)
     height = message.z if message.get_type() == "COMMAND_INT" else message.param7
     params = (message.param1, message.param2, message.param3, message.param4, *last, height)
-    _order(exchange, Order(message.command, params), repeated=getattr(message, "confirmation", 0) > 0)
+    _obey(exchange, Command(message.command, params), repeated=getattr(message, "confirmation", 0) > 0)
 
 
 def _set_mode(exchange: Exchange) -> None:
     """Take the old SET_MODE as its command, and answer under the message's number, as ArduPilot does."""
     answer = obey(
-        Order(
+        Command(
             dialect.MAV_CMD_DO_SET_MODE,
             (exchange.message.base_mode, exchange.message.custom_mode, 0, 0, 0, 0, 0),
         ),
@@ -84,23 +84,25 @@ def _give_reason(exchange: Exchange, reason: str) -> None:
         exchange.warn("command" if exchange.refusal is not None else reason, reason)
 
 
-def _order(exchange: Exchange, order: Order, *, repeated: bool) -> None:
+def _obey(exchange: Exchange, command: Command, *, repeated: bool) -> None:
     peer = exchange.peer
-    before = peer.answered if repeated and not stops(order) else None
+    before = peer.answered if repeated and not stops(command) else None
     if before is not None and exchange.now - before.at < REMEMBERED:
-        same = before.command == order.command and repr(before.params) == repr(order.params)  # NaN is not NaN
+        same = before.command == command.number and repr(before.params) == repr(
+            command.params
+        )  # NaN is not NaN
         if same:
-            _acknowledge(exchange, order.command, before.result)
+            _acknowledge(exchange, command.number, before.result)
             return
     bystander_stops = exchange.refusal is not None and requests_stop(exchange.message, exchange.station)
-    answer = obey(order, exchange)
+    answer = obey(command, exchange)
     if bystander_stops and exchange.now - peer.stop_answered_at < STOP_ANSWERED_EVERY:
         return
     if bystander_stops:
         peer.stop_answered_at = exchange.now
     _give_reason(exchange, answer.reason)
-    peer.answered = AnsweredCommand(order.command, order.params, answer.result, exchange.now)
-    _acknowledge(exchange, order.command, answer.result)
+    peer.answered = AnsweredCommand(command.number, command.params, answer.result, exchange.now)
+    _acknowledge(exchange, command.number, answer.result)
 
 
 def stop_for_anybody(exchange: Exchange) -> list[Message]:

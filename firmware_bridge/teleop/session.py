@@ -7,23 +7,23 @@ from firmware_bridge.drivers.driver import Power
 from firmware_bridge.intent import NEVER_RECEIVED, AgeLimit, Intent
 from firmware_bridge.mavlink import modes as driving_modes
 from firmware_bridge.mavlink.age import BOOT_WRAPS, Age, Ages, boot_ms
+from firmware_bridge.mavlink.audience import Audience
 from firmware_bridge.mavlink.frames import Codec, Message, dialect
 from firmware_bridge.mavlink.numbered import Numbered
+from firmware_bridge.mavlink.parameters import Store
 from firmware_bridge.mavlink.schedule import Schedule
+from firmware_bridge.mavlink.texts import Speaker
 from firmware_bridge.mavlink.trust import Signatures, Trust
 from firmware_bridge.robot import AnyRobot, UnknownAge
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.safety.snapshot import ActiveInterlock, AnySnapshot, Facts
-from firmware_bridge.teleop.audience import Audience
 from firmware_bridge.teleop.control import Sender, StationInControl
 from firmware_bridge.teleop.driven import Channels, ReportedMode
-from firmware_bridge.teleop.link_quality import LinkState, Quality
 from firmware_bridge.teleop.manual_control import Lever
-from firmware_bridge.teleop.parameters import Store, parameters_of
 from firmware_bridge.teleop.station import AnyStation, Motion, Unusable, Velocity
-from firmware_bridge.teleop.streams import streams_of
+from firmware_bridge.teleop.streams import parameters_of, streams_of
 from firmware_bridge.teleop.telemetry import TelemetryContext
-from firmware_bridge.teleop.texts import Speaker
+from firmware_bridge.teleop.texts import LinkState, Quality
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 
 VERSION: Final = (0, 1, 0)

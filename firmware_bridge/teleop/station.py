@@ -211,7 +211,7 @@ class Gauge(Generic[G]):
 
 @renamed.arguments(metres_rolled="meters_rolled")
 @dataclass(frozen=True, kw_only=True)
-class Station(Generic[G, M, S]):
+class StationRows(Generic[G, M, S]):
     """One robot type's rows; ValueError where MAVLink could not carry them."""
 
     stick: Callable[[Stick, M, Robot[G]], M]
@@ -290,7 +290,7 @@ class Station(Generic[G, M, S]):
             )
 
 
-AnyStation: TypeAlias = Station[Any, Any, Any]
+AnyStation: TypeAlias = StationRows[Any, Any, Any]
 
 
 def _need_distinct(what: str, keys: Iterable[object]) -> None:
@@ -309,3 +309,4 @@ def _need_names(what: str, names: list[str], longest: int) -> None:
 
 AnyValue: TypeAlias = Value[Any, Any]
 AnyGauge: TypeAlias = Gauge[Any]
+__getattr__ = renamed.module(__name__, __name__, Station="StationRows")

@@ -1,14 +1,16 @@
-"""Period of each message: one row for each message, for a network and for a narrow link."""
+"""Period of each message, a row for each, for a network and for a narrow link; and a robot's parameters."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 from firmware_bridge.mavlink.frames import Message, dialect
+from firmware_bridge.mavlink.parameters import Parameter
+from firmware_bridge.mavlink.schedule import Schedule
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.operator_link import TelemetryProfile
-from firmware_bridge.teleop.station import AnyStation, AnyValue
+from firmware_bridge.teleop.station import AnyStation, AnyValue, Fixed
 from firmware_bridge.teleop.telemetry import (
     TelemetryContext,
     attitude,
@@ -40,6 +42,8 @@ _BITS_A_BYTE: Final = 10
 """Line bits for one byte on a serial line: a radio's bandwidth is given as the line's rate."""
 PACKET: Final[Nanoseconds] = SECOND // 20
 """Period of the packets of A. P. Das, PhD thesis, IIT Delhi, 2018, 4.1."""
+FASTEST_HZ: Final = 20.0
+"""Highest rate that a parameter sets."""
 _SHARE: Final = 0.5
 """Of the bandwidth, for telemetry: half of it is left to commands, answers, lists and the other direction."""
 
@@ -272,3 +276,38 @@ def _stream_of(value: AnyValue) -> Stream:
 
     title = f"{value.name}: {value.title}"
     return _stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, value.period, encode, title, packet=True)
+
+
+def parameters_of(
+    robot: AnyRobot, fixed: tuple[Fixed[Any], ...], schedule: Schedule
+) -> tuple[Parameter, ...]:
+    """Return one robot's parameters: its type's, then those that all have; ValueError where a name is twice.
+
+    The rates are first those of the schedule. Limits are read-only on purpose: the interlocks' values are
+    changed in the robot file, by a person near the robot.
+    """
+    rows = (*(Parameter(row.name, row.value(robot), row.unit) for row in fixed), *_common(robot, schedule))
+    names = [row.name for row in rows]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ValueError(f"station: parameters stand twice: {', '.join(twice)}")
+    return rows
+
+
+def _common(robot: AnyRobot, schedule: Schedule) -> tuple[Parameter, ...]:
+    return (
+        Parameter("CMD_TMO", robot.operator.silent_ms / 1000.0, "s"),
+        Parameter("CYCLE", robot.cycle_ms / 1000.0, "s"),
+        *(() if robot.battery is None else (Parameter("BAT_VLOW", robot.battery.low_v, "V"),)),
+        Parameter("MAV_SYSID", float(robot.operator.system_id), ""),
+        Parameter("MAV_COMPID", float(robot.operator.component_id), ""),
+        _rate("RATE_ODOM", dialect.MAVLINK_MSG_ID_ODOMETRY, schedule),
+        _rate("RATE_POS", dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, schedule),
+        _rate("RATE_ATT", dialect.MAVLINK_MSG_ID_ATTITUDE, schedule),
+    )
+
+
+def _rate(name: str, stream: int, schedule: Schedule) -> Parameter:
+    period = schedule.default(stream)
+    first = 0.0 if period is None else SECOND / period
+    return Parameter(name, first, "Hz", (0.0, FASTEST_HZ), stream)

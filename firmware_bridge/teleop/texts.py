@@ -1,81 +1,121 @@
-"""STATUSTEXT: long texts cut into chunks and put together again."""
+"""Texts for operators: of interlocks that begin and end, and of the link to the station in control.
 
+The link's figures are rows: each is reported when it gets bad, and when it is good again.
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
-from firmware_bridge.mavlink.frames import Message, dialect, text_of
+from firmware_bridge.intent import AgeLimit
+from firmware_bridge.mavlink.age import Ages
+from firmware_bridge.mavlink.frames import Message
+from firmware_bridge.mavlink.texts import Speaker
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.safety.snapshot import ActiveInterlock
-from firmware_bridge.units import SECOND, Nanoseconds
+from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 
-CHUNK: Final = 50
-"""Characters in one STATUSTEXT; a chunk with fewer is the last (common.xml, STATUSTEXT)."""
-
-_LAST_ID: Final = 0xFFFF
-_PLAIN: Final = str.maketrans({"\u00b0": " deg", "\u00b2": "2", "\u2013": "-", "\u2212": "-", "\n": " "})
+REPORTED_AFTER: Final[Nanoseconds] = 3 * SECOND
+"""Time for a first answer of a station that answers at all."""
 
 
-def chunks(text: str) -> list[bytes]:
-    """Cut a text into chunks of which only the last is shorter than 50 characters, and none is empty."""
-    plain = text.translate(_PLAIN).encode("ascii", "replace").replace(b"\0", b" ") or b"-"
-    if len(plain) > CHUNK and len(plain) % CHUNK == 0:
-        plain += b" "  # a full last chunk would leave its receiver waiting for more
-    return [plain[at : at + CHUNK] for at in range(0, len(plain), CHUNK)]
+class LinkState(NamedTuple):
+    """State of the link now."""
+
+    ages: Ages
+    limit: AgeLimit
+    timestamped: bool
+    """True where the newest motion command's age is known."""
+    now: Nanoseconds
 
 
-@dataclass(slots=True)
-class _Repeat:
-    """A text that may come again."""
+@dataclass(frozen=True, slots=True)
+class LinkFigure:
+    """One figure, None while it is not known; between its bounds nothing changes."""
 
-    at: Nanoseconds
-    quiet: Nanoseconds
-    """For so long it does not."""
-    kept_back: int = 0
+    reads: Callable[[LinkState], float | None]
+    bad_from: float
+    good_below: float
+    bad: str
+    """A text with the figure in it."""
+    good: str
 
 
-class Speaker:
-    """A maker of STATUSTEXT messages that numbers the long ones and limits repeated warnings.
+def _round_trip(link: LinkState) -> float | None:
+    """Return the round trip as a share of a command's age limit."""
+    trip = link.ages.trips.newest(link.now)
+    return None if trip is None else trip / link.limit.most
 
-    The same refusal is sent only every two seconds, and ever more seldom while a stream of messages causes
-    it.
-    """
 
-    QUIET: Final[Nanoseconds] = 2 * SECOND
-    QUIETEST: Final[Nanoseconds] = 32 * SECOND
-    STREAM: Final = 10
-    """So often in one quiet time no one presses a button."""
-    MOST: Final = 64
-    """Kinds of texts that are remembered."""
+def _lost(link: LinkState) -> float | None:
+    return link.ages.losses.share
+
+
+def _differs(link: LinkState) -> float | None:
+    """Return the disagreement of a station's clocks, as a share of a command's age limit."""
+    return link.ages.differs / link.limit.most
+
+
+def _not_timestamped(link: LinkState) -> float | None:
+    requested_at = link.ages.trips.began_at
+    reported = requested_at is not None and link.now - requested_at >= REPORTED_AFTER
+    return float(not link.timestamped) if reported else None
+
+
+ROWS: Final = (
+    LinkFigure(
+        _round_trip, 1.0, 0.75, "link: round trip {trip:.2f} s", "link: round trip {trip:.2f} s, good again"
+    ),
+    LinkFigure(
+        _lost,
+        0.1,
+        0.05,
+        "link: {share:.0%} of this station's frames are lost",
+        "link: frames come again",
+    ),
+    LinkFigure(
+        _differs,
+        1.0,
+        0.5,
+        "link: this station's clocks disagree by {trip:.2f} s: its messages count as old as the oldest",
+        "link: this station's clocks agree again",
+    ),
+    LinkFigure(
+        _not_timestamped,
+        1.0,
+        1.0,
+        "link: the age of this station's commands is unknown, only their loss is noticed",
+        "link: the age of this station's commands is known",
+    ),
+)
+
+
+class Quality:
+    """The rows that are bad; one for each station in control."""
+
+    __slots__ = ("_bad",)
 
     def __init__(self) -> None:
-        self._number = 0
-        self._repeats: Final[dict[str, _Repeat]] = {}
+        self._bad: Final[set[int]] = set()
 
-    def say(self, severity: Severity, text: str) -> list[Message]:
-        """Return the text as one message, or as several with one number."""
-        cuts = chunks(text)
-        number = 0
-        if len(cuts) > 1:
-            # 0 stands for a text in one piece, so that long ones count from 1 (STATUSTEXT, id).
-            number = self._number = self._number % _LAST_ID + 1
-        return [dialect.MAVLink_statustext_message(severity, cut, number, at) for at, cut in enumerate(cuts)]
+    def changes(self, link: LinkState) -> list[tuple[Severity, str]]:
+        """Return the changes, as text."""
+        reported: list[tuple[Severity, str]] = []
+        for place, row in enumerate(ROWS):
+            value = row.reads(link)
+            if value is None:
+                continue
+            if place not in self._bad and value >= row.bad_from:
+                self._bad.add(place)
+                reported.append((Severity.WARNING, _text(row.bad, value, link)))
+            elif place in self._bad and value < row.good_below:
+                self._bad.discard(place)
+                reported.append((Severity.INFO, _text(row.good, value, link)))
+        return reported
 
-    def say_sometimes(self, key: str, text: str, now: Nanoseconds) -> list[Message]:
-        """Return a warning, or nothing where one with this key was sent less than two seconds ago."""
-        earlier = self._repeats.pop(key, None)
-        quiet = self.QUIET
-        if earlier is not None:
-            if now - earlier.at < earlier.quiet:
-                earlier.kept_back += 1
-                self._repeats[key] = earlier
-                return []
-            # A key that is pressed again is a person; ten in one quiet time is a program.
-            streams = earlier.kept_back >= self.STREAM and now - earlier.at < 2 * earlier.quiet
-            quiet = min(2 * earlier.quiet, self.QUIETEST) if streams else self.QUIET
-        while len(self._repeats) >= self.MOST:
-            del self._repeats[next(iter(self._repeats))]
-        self._repeats[key] = _Repeat(now, quiet)
-        return self.say(Severity.WARNING, text)
+
+def _text(text: str, value: float, link: LinkState) -> str:
+    return text.format(share=value, trip=value * to_seconds(link.limit.most))
 
 
 class InterlockTexts:
@@ -115,39 +155,3 @@ class InterlockTexts:
                 remedy = f"; {event.remedy}" if event.remedy else ""
                 messages += self._speaker.say(event.interlock.severity, f"{event.reason}{remedy}")
         return messages
-
-
-@dataclass(frozen=True, slots=True)
-class Received:
-    """A whole text, as its receiver reads it."""
-
-    severity: int
-    text: str
-
-
-class TextCollector:
-    """A collector of one sender's texts; one that lacks a chunk is returned as far as it came."""
-
-    def __init__(self) -> None:
-        self._number = 0
-        self._severity = 0
-        self._cuts: list[str] = []
-
-    def receive(self, message: Message) -> list[Received]:
-        """Take one STATUSTEXT; return the texts that are now whole, or will never be."""
-        text = text_of(message.text)
-        due: list[Received] = []
-        # A chunk is missing: what came so far is shown, and the next text begins.
-        if self._number and (message.id != self._number or message.chunk_seq != len(self._cuts)):
-            due += self._whole("...")
-        if message.id == 0:
-            return [*due, Received(message.severity, text)]
-        self._number, self._severity = message.id, message.severity
-        self._cuts.append(text)
-        return due + self._whole("") if len(text) < CHUNK else due
-
-    def _whole(self, ending: str) -> list[Received]:
-        received = Received(self._severity, ("".join(self._cuts) + ending).rstrip())
-        self._number = 0
-        self._cuts = []
-        return [received]

@@ -35,7 +35,7 @@ from firmware_bridge.safety.interlock import View
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.safety.kinematic_model import KinematicModel
 from firmware_bridge.safety.snapshot import ActiveInterlock
-from firmware_bridge.teleop.station import Station, Value
+from firmware_bridge.teleop.station import StationRows, Value
 from firmware_bridge.units import SECOND
 from fmu.export.model import StateVariable
 
@@ -230,5 +230,5 @@ def test_a_station_and_a_differential_robot_have_their_old_spelling() -> None:
         assert robot.metres_rolled(find("climber")) == robot.meters_rolled(find("climber"))
     given = {one.name: getattr(ROBOT_TYPE.station, one.name) for one in fields(ROBOT_TYPE.station)}
     given["metres_rolled"] = given.pop("meters_rolled")
-    with pytest.warns(RenamedWarning, match="Station: 'metres_rolled' is called 'meters_rolled' now"):
-        assert Station(**given) == ROBOT_TYPE.station
+    with pytest.warns(RenamedWarning, match="StationRows: 'metres_rolled' is called 'meters_rolled' now"):
+        assert StationRows(**given) == ROBOT_TYPE.station

@@ -15,7 +15,7 @@ PACKAGES: Final = ("firmware_bridge", "emulators", "fmu")
 INTERLOCKS: Final = {"Interlock", "AxisInterlock", "Limit"}
 NEED: Final = "Need"
 """What a request needs: its second argument returns the refusals."""
-ANSWERS: Final = {"denied", "Answer", "OrderAnswer", "Unusable"}
+ANSWERS: Final = {"denied", "Answer", "CommandAnswer", "Unusable"}
 ERRORS: Final[Mapping[str, tuple[str, str]]] = {
     "BlackBoxError": ("a recording cannot be written", "free the disk, or choose another folder"),
     "ChoiceError": ("an emulated drive has no such choice", "see `emulate epos2 --help`"),

@@ -17,7 +17,7 @@ from firmware_bridge.teleop.station import (
     USUAL_AXES,
     Fixed,
     Gauge,
-    Station,
+    StationRows,
     Stick,
     StickAxis,
     Twist,
@@ -67,7 +67,7 @@ def _degrees(role: str) -> Gauge[Ar2Geometry]:
     )
 
 
-STATION: Final[Station[Ar2Geometry, Ar2Motion, Ar2State]] = Station(
+STATION: Final[StationRows[Ar2Geometry, Ar2Motion, Ar2State]] = StationRows(
     stick=of_stick,
     target=of_target,
     twist=_still,

@@ -10,7 +10,7 @@ from firmware_bridge.robots.climber.geometry import ClimberGeometry
 from firmware_bridge.robots.climber.kinematics import CLIMBER
 from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
 from firmware_bridge.safety.snapshot import Snapshot
-from firmware_bridge.teleop.station import Fixed, Station, Value
+from firmware_bridge.teleop.station import Fixed, StationRows, Value
 from firmware_bridge.units import SECOND
 
 
@@ -19,7 +19,7 @@ def _joint_deg(seen: Snapshot[ClimberMotion, ClimberState]) -> float | None:
     return None if joint is None else math.degrees(joint)
 
 
-STATION: Final[Station[ClimberGeometry, ClimberMotion, ClimberState]] = Station(
+STATION: Final[StationRows[ClimberGeometry, ClimberMotion, ClimberState]] = StationRows(
     stick=CLIMBER.stick,
     target=CLIMBER.target,
     twist=CLIMBER.twist,

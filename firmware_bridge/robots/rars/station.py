@@ -20,7 +20,7 @@ from firmware_bridge.teleop.station import (
     Actuator,
     Fixed,
     Gauge,
-    Station,
+    StationRows,
     Stick,
     StickAxis,
     Switch,
@@ -89,7 +89,7 @@ def _steer_deg(seen: Snapshot[RarsMotion, RarsState]) -> float | None:
     return None if seen.body.steer_rad is None else math.degrees(seen.body.steer_rad)
 
 
-STATION: Final[Station[RarsGeometry, RarsMotion, RarsState]] = Station(
+STATION: Final[StationRows[RarsGeometry, RarsMotion, RarsState]] = StationRows(
     stick=of_stick,
     target=of_target,
     twist=_twist,

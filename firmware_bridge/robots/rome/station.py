@@ -12,7 +12,7 @@ from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rome.geometry import RomeGeometry
 from firmware_bridge.robots.rome.motion import RomeMotion, RomeState
 from firmware_bridge.safety.snapshot import Snapshot
-from firmware_bridge.teleop.station import Fixed, Station, Stick, Twist, Value, Velocity
+from firmware_bridge.teleop.station import Fixed, StationRows, Stick, Twist, Value, Velocity
 from firmware_bridge.units import SECOND
 
 
@@ -46,7 +46,7 @@ def _turn_deg_s(seen: Snapshot[RomeMotion, RomeState]) -> float:
     return math.degrees(seen.body.turn_rad_s)
 
 
-STATION: Final[Station[RomeGeometry, RomeMotion, RomeState]] = Station(
+STATION: Final[StationRows[RomeGeometry, RomeMotion, RomeState]] = StationRows(
     stick=of_stick,
     target=of_target,
     twist=lambda state: Twist(state.ahead_mps, state.left_mps, state.turn_rad_s),

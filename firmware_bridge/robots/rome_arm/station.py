@@ -16,7 +16,7 @@ from firmware_bridge.teleop.station import (
     USUAL_AXES,
     Fixed,
     Gauge,
-    Station,
+    StationRows,
     Stick,
     StickAxis,
     Twist,
@@ -71,7 +71,7 @@ def _gauge(row: Gauge[Any]) -> Gauge[RomeArmGeometry]:
 _TOOL: Final = tuple(row for row in arms.STATION.values if row.name.startswith("TOOL"))
 """The tool's rows without the arm's clock, which is the base's: it is sent once."""
 
-STATION: Final[Station[RomeArmGeometry, RomeArmMotion, RomeArmState]] = Station(
+STATION: Final[StationRows[RomeArmGeometry, RomeArmMotion, RomeArmState]] = StationRows(
     stick=of_stick,
     target=of_target,
     twist=lambda state: bases.STATION.twist(state.base),

@@ -14,7 +14,7 @@ from firmware_bridge.teleop.station import (
     Actuator,
     Fixed,
     Place,
-    Station,
+    StationRows,
     Stick,
     StickAxis,
     Twist,
@@ -66,7 +66,7 @@ def _end(number: int, robot: Robot[AxisGeometry]) -> float:
     return 0.0 if travel is None else travel[number]
 
 
-STATION: Final[Station[AxisGeometry, AxisMotion, AxisState]] = Station(
+STATION: Final[StationRows[AxisGeometry, AxisMotion, AxisState]] = StationRows(
     stick=of_stick,
     target=of_velocity,
     place=of_place,

@@ -38,7 +38,7 @@ from firmware_bridge.robot_types import robot_type_named
 from firmware_bridge.safety.interlock import Interlock, View
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.operator import Operator
-from firmware_bridge.teleop.station import Station, Stick, Twist, Unusable, Velocity
+from firmware_bridge.teleop.station import StationRows, Stick, Twist, Unusable, Velocity
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds, to_seconds
 
 WHEELS: Final = "drives"
@@ -178,7 +178,7 @@ ROBOT_TYPE: Final[RobotType[Sizes, Sweep, Sensed]] = RobotType(
     interlocks=(RACES,),
     limits=(),
     reach=lambda robot: ((Sweep(robot.geometry.top_mps, BRUSH_TOP), Sensed(0.0, 0.0)),),
-    station=Station(
+    station=StationRows(
         stick=_stick,
         target=_target,
         twist=lambda state: Twist(state.ahead, 0.0, 0.0),

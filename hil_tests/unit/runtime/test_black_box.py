@@ -9,6 +9,7 @@ import pytest
 
 from firmware_bridge.cli.drive import texts_of
 from firmware_bridge.mavlink.frames import Codec
+from firmware_bridge.mavlink.texts import Speaker
 from firmware_bridge.node import CAN, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import Direction, device_side, parse_candump, parse_chunk, parse_tlog
@@ -23,7 +24,6 @@ from firmware_bridge.runtime.black_box import (
 )
 from firmware_bridge.runtime.last_places import RECORDED, LastPlaces, known_places
 from firmware_bridge.safety.interlock_base import Severity
-from firmware_bridge.teleop.texts import Speaker
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.internet import number_of
 

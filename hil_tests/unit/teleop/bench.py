@@ -27,7 +27,7 @@ from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.safety.snapshot import ActiveInterlock, Facts, Snapshot
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.teleop.session import ANY_STATION
-from firmware_bridge.teleop.station import Station
+from firmware_bridge.teleop.station import StationRows
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 G = TypeVar("G", bound=Table)
@@ -47,7 +47,7 @@ class Bench(Generic[G, M, S]):
     """One station (255/190), one robot (1/1), and a bridge that accepts unless set otherwise."""
 
     robot: Robot[G]
-    rows: Station[G, M, S]
+    rows: StationRows[G, M, S]
     rest: M
     body: S
     rolling: tuple[str, ...]

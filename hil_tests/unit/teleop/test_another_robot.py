@@ -14,7 +14,7 @@ from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.teleop.manual_control import UNUSED
-from firmware_bridge.teleop.station import Actuator, Fixed, Station, Switch, Value
+from firmware_bridge.teleop.station import Actuator, Fixed, StationRows, Switch, Value
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.lanes import examples
 from hil_tests.unit.teleop.bench import acks, event
@@ -97,7 +97,7 @@ def test_other_relays_are_denied_and_those_that_exist_named(bench: ToyBench, rel
 
 def test_what_it_lacks_is_unsupported(bench: ToyBench) -> None:
     assert acks(bench.order(405, 1)) == [(405, UNSUPPORTED)]
-    bare = Station(
+    bare = StationRows(
         stick=ROWS.stick,
         target=ROWS.target,
         twist=ROWS.twist,
@@ -294,11 +294,11 @@ def test_rows_that_mavlink_cannot_carry_are_refused_where_they_are_made(
         name: getattr(ROWS, name) for name in ("stick", "target", "twist", "forgotten", "largest")
     }
     with pytest.raises(ValueError, match=stated):
-        Station(**(plain | rows))
+        StationRows(**(plain | rows))
 
 
 def test_a_parameter_that_all_robots_have_is_not_a_kinds_own(bench: ToyBench) -> None:
-    bench.rows = Station(
+    bench.rows = StationRows(
         stick=ROWS.stick,
         target=ROWS.target,
         twist=ROWS.twist,

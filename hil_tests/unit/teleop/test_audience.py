@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from firmware_bridge.mavlink.audience import LAPSES_AFTER, LARGEST_CREDIT, MOST_PLACES, MOST_STATIONS
 from firmware_bridge.mavlink.frames import Codec, dialect
-from firmware_bridge.teleop.audience import LAPSES_AFTER, LARGEST_CREDIT, MOST_PLACES, MOST_STATIONS
 from firmware_bridge.wire.internet import number_of
 from hil_tests.lanes import examples
 from hil_tests.unit.teleop.bench import CYCLE, RarsBench, rars

@@ -5,7 +5,7 @@ from __future__ import annotations
 from firmware_bridge.intent import AgeLimit
 from firmware_bridge.mavlink.age import Ages
 from firmware_bridge.safety.interlock_base import Severity
-from firmware_bridge.teleop.link_quality import LinkState, Quality
+from firmware_bridge.teleop.texts import LinkState, Quality
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.rows import every
 

@@ -9,7 +9,7 @@ import pytest
 from firmware_bridge import robot_types
 from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.teleop.manual_control import UNUSED
-from firmware_bridge.teleop.station import USUAL_AXES, Station, Stick, StickAxis
+from firmware_bridge.teleop.station import USUAL_AXES, StationRows, Stick, StickAxis
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.bench import CYCLE, RarsBench, bench_of, rars
 from hil_tests.unit.teleop.received import texts
@@ -190,7 +190,7 @@ def test_what_steers_instead_of_an_axis_that_was_given_back_steers_at_once() -> 
 def test_an_up_button_without_its_axis_is_refused() -> None:
     rows = bench_of("rome").rows
     with pytest.raises(ValueError, match=r"an up button, and StickAxis\.UP is not among the axes"):
-        Station(
+        StationRows(
             stick=rows.stick,
             target=rows.target,
             twist=rows.twist,

@@ -9,7 +9,7 @@ import pytest
 
 from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.mavlink.schedule import Schedule
-from firmware_bridge.teleop.parameters import parameters_of
+from firmware_bridge.teleop.streams import parameters_of
 from firmware_bridge.units import SECOND
 from hil_tests.unit.teleop.bench import rars
 from hil_tests.unit.teleop.received import texts

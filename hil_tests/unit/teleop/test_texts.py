@@ -4,9 +4,10 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from firmware_bridge.mavlink.frames import Codec
+from firmware_bridge.mavlink.texts import Received, Speaker, TextCollector, chunks
 from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.safety.snapshot import ActiveInterlock
-from firmware_bridge.teleop.texts import InterlockTexts, Received, Speaker, TextCollector, chunks
+from firmware_bridge.teleop.texts import InterlockTexts
 from firmware_bridge.units import SECOND
 
 PLAIN = st.text(st.characters(min_codepoint=32, max_codepoint=126), min_size=1, max_size=400)

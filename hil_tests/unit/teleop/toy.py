@@ -12,7 +12,7 @@ from firmware_bridge.teleop.station import (
     USUAL_AXES,
     Actuator,
     Fixed,
-    Station,
+    StationRows,
     Stick,
     StickAxis,
     Switch,
@@ -78,7 +78,7 @@ def _target(velocity: Velocity, command: Glide, _: Robot[Sizes]) -> Glide | Unus
     )
 
 
-ROWS: Final[Station[Sizes, Glide, Felt]] = Station(
+ROWS: Final[StationRows[Sizes, Glide, Felt]] = StationRows(
     stick=_stick,
     target=_target,
     twist=lambda felt: Twist(felt.ahead, -felt.right, -felt.spin),

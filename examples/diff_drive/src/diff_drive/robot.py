@@ -9,7 +9,7 @@ from typing import Final
 
 from firmware_bridge.differential.geometry import Geometry
 from firmware_bridge.differential.robot import DifferentialRobot
-from firmware_bridge.teleop.station import Station, Switch
+from firmware_bridge.teleop.station import StationRows, Switch
 
 from diff_drive.motion import Motion, State
 
@@ -17,7 +17,7 @@ ROBOT: Final[DifferentialRobot[Geometry, Motion, State]] = DifferentialRobot(
     Motion, lambda _robot, speed_mps, turn_rad_s, _sensors: State(speed_mps, turn_rad_s)
 )
 
-STATION: Final[Station[Geometry, Motion, State]] = Station(
+STATION: Final[StationRows[Geometry, Motion, State]] = StationRows(
     stick=ROBOT.stick,
     target=ROBOT.target,
     twist=ROBOT.twist,

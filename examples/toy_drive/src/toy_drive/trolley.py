@@ -13,7 +13,7 @@ from firmware_bridge.robot.table import Positive, Table
 from firmware_bridge.robot_type import RobotType
 from firmware_bridge.safety.interlock import Limit, View
 from firmware_bridge.safety.limits import bounded
-from firmware_bridge.teleop.station import Station, Stick, Twist, Unusable, Velocity
+from firmware_bridge.teleop.station import StationRows, Stick, Twist, Unusable, Velocity
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 TROLLEY: Final = frozenset({"trolley"})
@@ -120,7 +120,7 @@ ROBOT_TYPE: Final[RobotType[Rail, Motion, Motion]] = RobotType(
     interlocks=(),
     limits=(Limit("speed limit", _limited, "reduce the speed", clear_after=300 * MILLISECOND),),
     reach=_reach,
-    station=Station(
+    station=StationRows(
         stick=_stick,
         target=_target,
         twist=lambda state: Twist(state.speed_mps, 0.0, 0.0),

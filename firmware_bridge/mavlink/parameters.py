@@ -1,21 +1,14 @@
-"""The parameters that a ground station sees: the robot file's numbers, and telemetry rates that it may set.
+"""The parameter protocol: rows with a value each, in an order that never changes.
 
-Every value is REAL32, so that both ways of carrying integers agree. Limits are read-only here on purpose: the
-interlocks' values are changed in the robot file, by a person near the robot.
+Every value is REAL32, so that both ways of carrying integers agree. Source: mavlink.io, "Parameter Protocol".
 """
 
 import math
 import struct
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 from firmware_bridge.mavlink.frames import Message, dialect, text_of
-from firmware_bridge.mavlink.schedule import Schedule
-from firmware_bridge.robot import AnyRobot
-from firmware_bridge.teleop.station import Fixed
-from firmware_bridge.units import SECOND
-
-FASTEST_HZ: Final = 20.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,40 +22,6 @@ class Parameter:
     """Smallest and largest value that a station may set; None for a read-only row."""
     stream: int | None = None
     """The message whose rate in Hz this row is."""
-
-
-def parameters_of(
-    robot: AnyRobot, fixed: tuple[Fixed[Any], ...], schedule: Schedule
-) -> tuple[Parameter, ...]:
-    """Return one robot's rows: its kind's, then those that all have; ValueError where a name stands twice.
-
-    The rates are first those of the schedule.
-    """
-    rows = (*(Parameter(row.name, row.value(robot), row.unit) for row in fixed), *_common(robot, schedule))
-    names = [row.name for row in rows]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise ValueError(f"station: parameters stand twice: {', '.join(twice)}")
-    return rows
-
-
-def _common(robot: AnyRobot, schedule: Schedule) -> tuple[Parameter, ...]:
-    return (
-        Parameter("CMD_TMO", robot.operator.silent_ms / 1000.0, "s"),
-        Parameter("CYCLE", robot.cycle_ms / 1000.0, "s"),
-        *(() if robot.battery is None else (Parameter("BAT_VLOW", robot.battery.low_v, "V"),)),
-        Parameter("MAV_SYSID", float(robot.operator.system_id), ""),
-        Parameter("MAV_COMPID", float(robot.operator.component_id), ""),
-        _rate("RATE_ODOM", dialect.MAVLINK_MSG_ID_ODOMETRY, schedule),
-        _rate("RATE_POS", dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, schedule),
-        _rate("RATE_ATT", dialect.MAVLINK_MSG_ID_ATTITUDE, schedule),
-    )
-
-
-def _rate(name: str, stream: int, schedule: Schedule) -> Parameter:
-    period = schedule.default(stream)
-    first = 0.0 if period is None else SECOND / period
-    return Parameter(name, first, "Hz", (0.0, FASTEST_HZ), stream)
 
 
 class Store:

@@ -1,13 +1,9 @@
 """One command of a ground station, and what it is answered with; source: common.xml, MAV_RESULT."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Final, TypeAlias
-
-from firmware_bridge.intent import Answer
-from firmware_bridge.teleop.exchange import Exchange
+from typing import Final
 
 
 class Result(IntEnum):
@@ -21,36 +17,29 @@ class Result(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class Command:
     """One command with its seven parameters, whichever message carried it."""
 
-    command: int
+    number: int
+    """Of MAV_CMD."""
     params: tuple[float, float, float, float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class OrderAnswer:
+class CommandAnswer:
     """The result, and where it is a refusal the reason for people."""
 
     result: Result
     reason: str = ""
 
 
-ACCEPTED: Final = OrderAnswer(Result.ACCEPTED)
-UNSUPPORTED: Final = OrderAnswer(Result.UNSUPPORTED)
-Action: TypeAlias = Callable[[Order, Exchange], OrderAnswer]
+ACCEPTED: Final = CommandAnswer(Result.ACCEPTED)
+UNSUPPORTED: Final = CommandAnswer(Result.UNSUPPORTED)
 
 
-def denied(reason: str) -> OrderAnswer:
+def denied(reason: str) -> CommandAnswer:
     """Refuse for good."""
-    return OrderAnswer(Result.DENIED, reason)
-
-
-def judged(verdict: Answer) -> OrderAnswer:
-    """Return the bridge's verdict as an answer."""
-    if verdict.accepted:
-        return ACCEPTED
-    return OrderAnswer(Result.TEMPORARILY_REJECTED if verdict.temporary else Result.DENIED, verdict.reason)
+    return CommandAnswer(Result.DENIED, reason)
 
 
 def whole(parameter: float) -> int | None:
