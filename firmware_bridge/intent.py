@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
-from firmware_bridge.immutable import Immutable
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
+from firmware_bridge.value import valueclass
 
 NEVER_RECEIVED: Final[Nanoseconds] = -NEVER
 """The instant of what has not come yet."""
@@ -26,29 +26,19 @@ class AgeLimit:
 USUAL_AGE_LIMIT: Final = AgeLimit()
 
 
-class Intent(Immutable):
+@valueclass(frozen=True, slots=True)
+class Intent:
     """The newest command for motion, and when it came."""
 
-    __slots__ = ("command", "deflected", "received_at", "sent_at", "timestamped")
-
-    def __init__(
-        self,
-        command: Any,
-        received_at: Nanoseconds = NEVER_RECEIVED,
-        sent_at: Nanoseconds | None = None,
-        *,
-        timestamped: bool = False,
-        deflected: str = "",
-    ) -> None:
-        self.command: Final = command
-        self.received_at: Final = received_at
-        """Arrival of the newest motion command; `NEVER_RECEIVED` before the first."""
-        self.sent_at: Final = sent_at
-        """Time of its sending, by the robot's clock, or later; None where it is unknown."""
-        self.timestamped: Final = timestamped
-        """True where that time is exact to within half a round trip; else it may be older."""
-        self.deflected: Final = deflected
-        """The operator's controls that are not neutral, as text; empty if none, or at velocity zero."""
+    command: Any
+    received_at: Nanoseconds = NEVER_RECEIVED
+    """Arrival of the newest motion command; `NEVER_RECEIVED` before the first."""
+    sent_at: Nanoseconds | None = None
+    """Time of its sending, by the robot's clock, or later; None where it is unknown."""
+    timestamped: bool = False
+    """True where that time is exact to within half a round trip; else it may be older."""
+    deflected: str = ""
+    """The operator's controls that are not neutral, as text; empty if none, or at velocity zero."""
 
     @property
     def neutral(self) -> bool:

@@ -21,15 +21,14 @@ from firmware_bridge.drivers.all_drivers import all_drivers_of
 from firmware_bridge.drivers.driver import Stop
 from firmware_bridge.drivers.life_cycle import Task, Transition
 from firmware_bridge.intent import Answer, ConfirmPosition, Request
-from firmware_bridge.mavlink.trust import Trust
+from firmware_bridge.mavlink.trust import ANY_STATION, Trust
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_type import AnyRobotType
 from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.safety.snapshot import ActiveInterlock, AnySnapshot
-from firmware_bridge.teleop.operator import Operator
-from firmware_bridge.teleop.session import ANY_STATION
+from firmware_bridge.teleop.operator_link import OperatorLink
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 STANDSTILL_WITHIN: Final[Nanoseconds] = 3 * SECOND
@@ -68,7 +67,7 @@ class Bridge:
         """The newest reaction that sent nothing; most are the same."""
         self._all_drivers: Final = AllDrivers(all_drivers_of(robot))
         rules = robot_type.rules(robot)
-        self._operator: Operator = Operator(
+        self._operator: OperatorLink = OperatorLink(
             robot,
             robot_type.station,
             robot_type.standstill,
@@ -103,6 +102,8 @@ class Bridge:
         self._requested_at: Nanoseconds = NEVER
         """Time of the last command to end a robot that is held with power, or of the hold's start."""
         self._leave_until: Nanoseconds = NEVER
+        self._stop_began = False
+        """An emergency stop was latched by the newest datagram."""
         self._left: set[str] | None = None
         """The axes that did not confirm that they are without power; None while they are not known."""
         self.phase = Life.STARTING
@@ -145,7 +146,7 @@ class Bridge:
         self._pipeline.offer(last)
 
     @property
-    def operator(self) -> Operator:
+    def operator(self) -> OperatorLink:
         """The operators' side of it."""
         return self._operator
 
@@ -347,12 +348,12 @@ class Bridge:
             self.phase = Life.FINISHED
 
     def _receive_operator(self, packet: Packet, now: Nanoseconds) -> None:
-        permission, drivers = self._permission, self._all_drivers
-        stopped = permission.emergency_stopped
+        self._stop_began = False
         self._outbox += self._operator.receive(
             packet.payload, now, lambda request: self._decide(request, now), packet.address
         )
-        if self.phase is Life.RUNNING and permission.emergency_stopped and not stopped:
+        permission, drivers = self._permission, self._all_drivers
+        if self.phase is Life.RUNNING and self._stop_began and permission.emergency_stopped:
             self._outbox += permission.end_start_ups(now)
             self._run(now)
         elif permission.forbids_power and self.phase is Life.STARTING and drivers.task is Task.ENABLE:
@@ -366,7 +367,9 @@ class Bridge:
         if self.phase not in order.lives:
             reason, temporary = self._waiting(now).reason, self.phase is Life.STARTING
             return Answer(accepted=False, reason=reason, temporary=temporary)
+        stopped = self._permission.emergency_stopped
         answer = self._pipeline.decide(request, now)
+        self._stop_began = self._stop_began or (self._permission.emergency_stopped and not stopped)
         if self._all_drivers.task is None:
             # It is remembered: no power comes on. Nothing is sent to the devices while it only listens.
             self._outbox[:] = [packet for packet in self._outbox if packet.link == OPERATOR]

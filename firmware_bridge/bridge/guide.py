@@ -6,7 +6,7 @@ from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_type import AnyPathFollower, AnyRobotType
 from firmware_bridge.safety.snapshot import AnySnapshot, Snapshot
-from firmware_bridge.teleop.operator import Operator
+from firmware_bridge.teleop.operator_link import OperatorLink
 from firmware_bridge.units import Nanoseconds
 
 
@@ -14,7 +14,7 @@ class Guide:
     """The path follower that drives, where one does."""
 
     def __init__(
-        self, robot: AnyRobot, robot_type: AnyRobotType, operator: Operator, permission: Permission
+        self, robot: AnyRobot, robot_type: AnyRobotType, operator: OperatorLink, permission: Permission
     ) -> None:
         self._robot: Final = robot
         self._made: Final = robot_type.path_followers

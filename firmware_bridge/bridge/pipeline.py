@@ -41,7 +41,7 @@ from firmware_bridge.safety.snapshot import (
     Snapshot,
 )
 from firmware_bridge.safety.tracking import Followers
-from firmware_bridge.teleop.operator import Operator
+from firmware_bridge.teleop.operator_link import OperatorLink
 from firmware_bridge.units import NEVER, Nanoseconds
 
 NO_LEVELS: Final[Mapping[str, Level]] = {}
@@ -57,7 +57,7 @@ class Pipeline:
         *,
         rules: Mapping[str, Rules],
         all_drivers: AllDrivers,
-        operator: Operator,
+        operator: OperatorLink,
         permission: Permission,
     ) -> None:
         self._robot = robot

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple, TypeAlias
 
 from firmware_bridge.mavlink.clock_fit import AnsweredClock, ReceivedClock
-from firmware_bridge.mavlink.frames import Message, dialect
-from firmware_bridge.mavlink.round_trips import Losses, RoundTrips
+from firmware_bridge.mavlink.frames import Losses, Message, dialect
+from firmware_bridge.mavlink.round_trips import RoundTrips
 from firmware_bridge.mavlink.trust import UNIT, stamp_of
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
@@ -23,7 +23,7 @@ BOOT_WRAPS: Final = 1 << 32
 """Of `time_boot_ms`, in milliseconds."""
 _TIMESYNC: Final = dialect.MAVLINK_MSG_ID_TIMESYNC
 _PING: Final = dialect.MAVLINK_MSG_ID_PING
-_SET_POINT: Final = dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED
+SET_POINT: Final = dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED
 _GRAIN: Final[Nanoseconds] = 1_000
 """Resolution of instants here: whole microseconds, as recordings keep them, so that a replay is equal."""
 _LARGEST_PING: Final = 0xFFFF_FFFF
@@ -40,7 +40,7 @@ class Age(NamedTuple):
 
 def boot_ms(message: Message) -> int | None:
     """Return the time that a set-point carries, in ms since its station began; None where it carries none."""
-    if message.get_msgId() != _SET_POINT or message.time_boot_ms == 0:
+    if message.get_msgId() != SET_POINT or message.time_boot_ms == 0:
         return None
     time: int = message.time_boot_ms
     return time

@@ -9,6 +9,10 @@ from dataclasses import dataclass
 from typing import Final
 
 from firmware_bridge.mavlink.frames import Message, dialect, text_of
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
+
+GAP: Final[Nanoseconds] = 10 * MILLISECOND
+"""Gap between two parameters of a list, where the link's bandwidth is not given."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,10 +31,29 @@ class Parameter:
 class Store:
     """The values of one bridge, in the rows' order, which never changes while it runs."""
 
-    def __init__(self, rows: tuple[Parameter, ...]) -> None:
+    def __init__(self, rows: tuple[Parameter, ...], gap: Nanoseconds = GAP) -> None:
+        """Take the rows, and the time between two of them where all are listed."""
         self.rows: Final = rows
+        self._gap: Final = gap
+        self._listed = len(rows)
+        self.list_due: Nanoseconds = NEVER
+        """Time of the next one of a list; `NEVER` where none is under way."""
         self._values = [_as_float32(row.first) for row in rows]
         self._index = {row.name: index for index, row in enumerate(rows)}
+
+    def begin_list(self, now: Nanoseconds) -> None:
+        """Send all of them from now on, one after the other."""
+        self._listed, self.list_due = 0, now
+
+    def due(self, now: Nanoseconds) -> list[Message]:
+        """Return those of the list that are due now."""
+        messages: list[Message] = []
+        while self.list_due <= now:
+            messages.append(self.message(self._listed))
+            self._listed += 1
+            last = self._listed >= len(self.rows)
+            self.list_due = NEVER if last else self.list_due + self._gap
+        return messages
 
     def find(self, index: int, name: bytes | str) -> int | None:
         """Return the index that a message means: by name where `index` is -1."""

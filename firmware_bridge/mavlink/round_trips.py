@@ -1,4 +1,4 @@
-"""Quality of the link to one station: round trips of requests that it answers, frames lost by their gaps.
+"""Round trips of the requests that one station answers.
 
 An answer counts once, and only to a request that is still open. Time is an argument; it sends nothing.
 """
@@ -6,7 +6,7 @@ An answer counts once, and only to a request that is still open. Time is an argu
 from collections import deque
 from typing import Final
 
-from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 
 EVERY: Final[Nanoseconds] = 500 * MILLISECOND
 """Between two requests: 150 bytes a second to the station in control, and to no other."""
@@ -14,15 +14,12 @@ MOST_OPEN: Final = 20
 """Questions that wait for an answer: those of ten seconds."""
 NEWEST_OVER: Final[Nanoseconds] = 3 * SECOND
 """Period whose least round trip is reported: one delayed answer does not count."""
-LOSS_OVER: Final[Nanoseconds] = 5 * SECOND
-_NUMBERS: Final = 256
-_HALF: Final = 128
 
 
 class RoundTrips:
     """The open questions, and how long the newest answers took."""
 
-    __slots__ = ("_lasted", "_open", "began_at", "due")
+    __slots__ = ("_lasted", "_open", "began_at", "due", "least", "least_until")
 
     def __init__(self) -> None:
         self._open: Final[dict[tuple[int, int], Nanoseconds]] = {}
@@ -33,6 +30,9 @@ class RoundTrips:
         """Time of the first request."""
         self.due: Nanoseconds = 0
         """Time of the next request."""
+        self.least: Nanoseconds | None = None
+        """The round trip that `newest` returns until `least_until`."""
+        self.least_until: Nanoseconds = NEVER
 
     def ask(self, *questions: tuple[int, int], now: Nanoseconds) -> None:
         """Take note of questions that are sent now; the next are due `EVERY` later."""
@@ -49,6 +49,7 @@ class RoundTrips:
         requested_at = self._open.pop(question, None)
         if requested_at is not None:
             self._lasted.append((now, now - requested_at))
+            self.newest(now)
         return requested_at
 
     def newest(self, now: Nanoseconds) -> Nanoseconds | None:
@@ -56,37 +57,6 @@ class RoundTrips:
         lasted = self._lasted
         while lasted and now - lasted[0][0] > NEWEST_OVER:
             lasted.popleft()
-        return min([trip for _, trip in lasted], default=None)
-
-
-class Losses:
-    """Missing share of a station's frames, from the gaps in its sequence numbers."""
-
-    __slots__ = ("_came", "_missing", "_newest", "_until", "share")
-
-    def __init__(self) -> None:
-        self._newest: int | None = None
-        self._came = 0
-        self._missing = 0
-        self._until: Nanoseconds = 0
-        self.share: float | None = None
-        """Of the last five seconds that are over; None before."""
-
-    def received(self, sequence: int, now: Nanoseconds) -> None:
-        """Take note of a frame; one that comes late is missing no more, one that comes twice counts once."""
-        if self._newest is None:
-            self._until = now + LOSS_OVER
-        elif now >= self._until:
-            self.share = self._missing / max(self._missing + self._came, 1)
-            self._came = self._missing = 0
-            self._until = now + LOSS_OVER
-        # Eight bits: more than half of the numbers ahead is behind.
-        ahead = 1 if self._newest is None else (sequence - self._newest) % _NUMBERS
-        if 0 < ahead < _HALF:
-            self._missing += ahead - 1
-            self._newest = sequence
-            self._came += 1
-        # It was counted as missing, and came late.
-        elif ahead and self._missing:
-            self._missing -= 1
-            self._came += 1
+        self.least = min([trip for _, trip in lasted], default=None)
+        self.least_until = lasted[0][0] + NEWEST_OVER if lasted else NEVER
+        return self.least

@@ -81,6 +81,10 @@ class Trust:
         return Codec(system, component, None if self.key is None else (self.key, link))
 
 
+ANY_STATION: Final = Trust()
+"""Without a key, and from everywhere."""
+
+
 class Signatures:
     """Newest time stamp of each stream: no message is accepted twice, after a restart neither."""
 

@@ -7,8 +7,8 @@ sides.
 from typing import Final
 
 from firmware_bridge.mavlink.clock_fit import AnsweredClock
-from firmware_bridge.mavlink.frames import Message, dialect
-from firmware_bridge.mavlink.round_trips import Losses, RoundTrips
+from firmware_bridge.mavlink.frames import Losses, Message, dialect
+from firmware_bridge.mavlink.round_trips import RoundTrips
 from firmware_bridge.units import Nanoseconds
 
 _TIMESYNC: Final = dialect.MAVLINK_MSG_ID_TIMESYNC

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 
 from firmware_bridge.mavlink.frames import Message, dialect, text_of
 from firmware_bridge.mavlink.texts import TextCollector
-from firmware_bridge.mavlink.trust import Signatures, Stamps, Trust
+from firmware_bridge.mavlink.trust import ANY_STATION, Signatures, Stamps, Trust
 from firmware_bridge.motion.model import Moving
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.node import OPERATOR
@@ -17,7 +17,6 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.pilot.driver import DriveCommand, Driver, Sight, Stick, Target
 from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.pilot.profiles import ORDER, USUAL, Profile
-from firmware_bridge.teleop.session import ANY_STATION
 from firmware_bridge.teleop.telemetry import ROLLING, UNKNOWN_U16
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 

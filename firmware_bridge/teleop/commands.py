@@ -20,8 +20,8 @@ from firmware_bridge.mavlink.command import (
     whole,
 )
 from firmware_bridge.mavlink.frames import Message, dialect
-from firmware_bridge.teleop.exchange import Exchange
-from firmware_bridge.teleop.setpoints import pressed
+from firmware_bridge.teleop.driving import pressed
+from firmware_bridge.teleop.incoming import Incoming
 from firmware_bridge.teleop.station import FASTEST, AnyStation
 from firmware_bridge.units import NEVER
 
@@ -34,7 +34,7 @@ _TERMINATES: Final = 0.5
 _LARGEST_NUMBER: Final = 0xFFFF
 """MESSAGE_INTERVAL carries 16 bits of a message's number."""
 _LONGEST_INTERVAL_US: Final = 0x7FFF_FFFF
-Action: TypeAlias = Callable[[Command, Exchange], CommandAnswer]
+Action: TypeAlias = Callable[[Command, Incoming], CommandAnswer]
 
 
 def judged(verdict: intent.Answer) -> CommandAnswer:
@@ -44,35 +44,35 @@ def judged(verdict: intent.Answer) -> CommandAnswer:
     return CommandAnswer(Result.TEMPORARILY_REJECTED if verdict.temporary else Result.DENIED, verdict.reason)
 
 
-def _arm_or_disarm(command: Command, exchange: Exchange) -> CommandAnswer:
+def _arm_or_disarm(command: Command, incoming: Incoming) -> CommandAnswer:
     force = command.params[1] == FORCE
     match command.params[0]:
         case 0.0:
-            return judged(exchange.request(intent.Disarm(force=force)))
+            return judged(incoming.request(intent.Disarm(force=force)))
         case 1.0 if force:
             return denied("arming cannot be forced: the interlocks stay")
         case 1.0:
-            return judged(exchange.request(intent.Arm()))
+            return judged(incoming.request(intent.Arm()))
     return denied("arm: parameter 1 must be 0 or 1")
 
 
-def _terminate(command: Command, exchange: Exchange) -> CommandAnswer:
+def _terminate(command: Command, incoming: Incoming) -> CommandAnswer:
     if _terminates(command):
-        return judged(exchange.request(intent.EmergencyStop(final=True)))
+        return judged(incoming.request(intent.EmergencyStop(final=True)))
     return denied("termination is undone by a restart of the bridge only")
 
 
-def _safety_switch(command: Command, exchange: Exchange) -> CommandAnswer:
+def _safety_switch(command: Command, incoming: Incoming) -> CommandAnswer:
     match command.params[0]:
         case dialect.SAFETY_SWITCH_STATE_SAFE:
-            return judged(exchange.request(intent.EmergencyStop()))
+            return judged(incoming.request(intent.EmergencyStop()))
         case dialect.SAFETY_SWITCH_STATE_DANGEROUS:
-            return judged(exchange.request(intent.ClearEmergencyStop()))
+            return judged(incoming.request(intent.ClearEmergencyStop()))
     return denied("safety switch: parameter 1 must be 0 (stop) or 1 (clear)")
 
 
-def _relay(command: Command, exchange: Exchange) -> CommandAnswer:
-    relays = {switch.relay: switch for switch in exchange.station.switches}
+def _relay(command: Command, incoming: Incoming) -> CommandAnswer:
+    relays = {switch.relay: switch for switch in incoming.link.rows.switches}
     if not relays:
         return UNSUPPORTED
     number, on = whole(command.params[0]), command.params[1]
@@ -81,24 +81,24 @@ def _relay(command: Command, exchange: Exchange) -> CommandAnswer:
         return denied(f"relay: {known}; there are no others")
     if on not in (0.0, 1.0):
         return denied("relay: parameter 2 must be 0 or 1")
-    exchange.switch(relays[number], on=bool(on))
+    incoming.link.driving.switch(relays[number], on=bool(on))
     return ACCEPTED
 
 
-def _illuminate(command: Command, exchange: Exchange) -> CommandAnswer:
-    lamps = [switch for switch in exchange.station.switches if switch.illuminates]
+def _illuminate(command: Command, incoming: Incoming) -> CommandAnswer:
+    lamps = [switch for switch in incoming.link.rows.switches if switch.illuminates]
     if not lamps:
         return UNSUPPORTED
     if command.params[0] not in (0.0, 1.0):
         return denied(f"{', '.join(lamp.name for lamp in lamps)}: parameter 1 must be 0 or 1")
     for lamp in lamps:
-        exchange.switch(lamp, on=bool(command.params[0]))
+        incoming.link.driving.switch(lamp, on=bool(command.params[0]))
     return ACCEPTED
 
 
-def _actuator(command: Command, exchange: Exchange) -> CommandAnswer:
+def _actuator(command: Command, incoming: Incoming) -> CommandAnswer:
     """Set actuators: NaN leaves one where it is (common.xml), and 0 one that is not there."""
-    names = [actuator.name for actuator in exchange.station.actuators]
+    names = [actuator.name for actuator in incoming.link.rows.actuators]
     if not names:
         return UNSUPPORTED
     shares, others = command.params[: len(names)], command.params[len(names) : 6]
@@ -109,35 +109,35 @@ def _actuator(command: Command, exchange: Exchange) -> CommandAnswer:
     if not named or beyond:
         place = beyond[0] if beyond else 0
         return denied(f"{names[place]}: parameter {place + 1} must be within -1 (lowest) and 1 (highest)")
-    if not exchange.armed:
+    if not incoming.link.status.armed:
         return denied(f"{names[named[0][0]]}: arm first; a target is not kept for later")
     for place, share in named:
-        exchange.actuate(place, (share + 1.0) / 2.0)
+        incoming.link.driving.actuate(place, (share + 1.0) / 2.0)
     return ACCEPTED
 
 
-def _request_message(command: Command, exchange: Exchange) -> CommandAnswer:
+def _request_message(command: Command, incoming: Incoming) -> CommandAnswer:
     number = whole(command.params[0])
-    sent = number is not None and exchange.send(number, whole(command.params[1]) or 0)
+    sent = number is not None and incoming.send(number, whole(command.params[1]) or 0)
     return ACCEPTED if sent else UNSUPPORTED
 
 
-def _capabilities(command: Command, exchange: Exchange) -> CommandAnswer:
+def _capabilities(command: Command, incoming: Incoming) -> CommandAnswer:
     if command.params[0] == 1.0:
-        exchange.send(dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
+        incoming.send(dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
     return ACCEPTED
 
 
-def _send_home(_: Command, exchange: Exchange) -> CommandAnswer:
+def _send_home(_: Command, incoming: Incoming) -> CommandAnswer:
     """Send where the odometry begins; before the first cycle nothing is known of it."""
-    sent = exchange.send(dialect.MAVLINK_MSG_ID_HOME_POSITION)
+    sent = incoming.send(dialect.MAVLINK_MSG_ID_HOME_POSITION)
     return ACCEPTED if sent else CommandAnswer(Result.TEMPORARILY_REJECTED, "home: the bridge is starting")
 
 
-def _change_interval(command: Command, exchange: Exchange) -> CommandAnswer:
+def _change_interval(command: Command, incoming: Incoming) -> CommandAnswer:
     """Change a message's interval to this station; more often than others only with control."""
     number, wanted = whole(command.params[0]), command.params[1]
-    default = None if number is None else exchange.session.schedule.default(number)
+    default = None if number is None else incoming.link.schedule.default(number)
     if number is None or default is None:
         return UNSUPPORTED
     if not math.isfinite(wanted) or wanted < -1.0:
@@ -145,113 +145,114 @@ def _change_interval(command: Command, exchange: Exchange) -> CommandAnswer:
     if number == dialect.MAVLINK_MSG_ID_HEARTBEAT and wanted != 0.0:
         return denied("message interval: the heartbeat keeps its rate")
     period = None if wanted == 0.0 else NEVER if wanted < 0.0 else max(round(wanted) * 1000, FASTEST)
-    refused = exchange.change_interval(number, period, default)
+    refused = incoming.change_interval(number, period, default)
     return ACCEPTED if refused is None else denied(refused)
 
 
-def _send_interval(command: Command, exchange: Exchange) -> CommandAnswer:
+def _send_interval(command: Command, incoming: Incoming) -> CommandAnswer:
     number = whole(command.params[0])
     if number is None or number > _LARGEST_NUMBER:
         return denied("message interval: parameter 1 must be a message number up to 65535")
-    period = exchange.schedule.period(number)
+    period = incoming.schedule.period(number)
     # 0 is a message that is no stream, -1 one that is switched off.
     interval = 0 if period is None else -1 if period == NEVER else min(period // 1000, _LONGEST_INTERVAL_US)
-    exchange.replies.append(dialect.MAVLink_message_interval_message(number, interval))
+    incoming.replies.append(dialect.MAVLink_message_interval_message(number, interval))
     return ACCEPTED
 
 
-def _pause(command: Command, exchange: Exchange) -> CommandAnswer:
+def _pause(command: Command, incoming: Incoming) -> CommandAnswer:
     match command.params[0]:
         case dialect.MAV_GOTO_DO_HOLD:
-            return judged(exchange.request(intent.Pause()))
+            return judged(incoming.request(intent.Pause()))
         case dialect.MAV_GOTO_DO_CONTINUE:
-            return judged(exchange.request(intent.Resume()))
+            return judged(incoming.request(intent.Resume()))
     return denied("pause: parameter 1 must be 0 (pause) or 1 (continue)")
 
 
-def _set_standard_mode(command: Command, exchange: Exchange) -> CommandAnswer:
+def _set_standard_mode(command: Command, incoming: Incoming) -> CommandAnswer:
     """Pause, whichever mode it is: a station that requests another mode no longer drives by hand."""
-    paused = judged(exchange.request(intent.Pause()))
+    paused = judged(incoming.request(intent.Pause()))
     if command.params[0] == dialect.MAV_STANDARD_MODE_POSITION_HOLD:
         return paused
     return denied("mode: of the standard modes only position hold; the robot is paused")
 
 
-def _set_mode(command: Command, exchange: Exchange) -> CommandAnswer:
+def _set_mode(command: Command, incoming: Incoming) -> CommandAnswer:
     """Enter a mode; one that cannot be entered now, or is none of the robot's, pauses it."""
-    entered = _enter_mode(command, exchange)
+    entered = _enter_mode(command, incoming)
     if entered.result is not Result.ACCEPTED:
-        exchange.request(intent.Pause())
+        incoming.request(intent.Pause())
     return entered
 
 
-def _enter_mode(command: Command, exchange: Exchange) -> CommandAnswer:
-    session, main, sub = exchange.session, whole(command.params[1]), whole(command.params[2]) or 0
-    requested = None if main is None else modes.requested(main, sub, len(session.modes))
+def _enter_mode(command: Command, incoming: Incoming) -> CommandAnswer:
+    link, main, sub = incoming.link, whole(command.params[1]), whole(command.params[2]) or 0
+    requested = None if main is None else modes.requested(main, sub, len(link.status.modes))
     if requested is None:
         known = [f"{row.number} {row.driving_mode.value}" for row in modes.ROWS]
-        known += [f"{modes.number_of_own(place)} {name}" for place, name in enumerate(session.modes) if name]
+        own = enumerate(link.status.modes)
+        known += [f"{modes.number_of_own(place)} {name}" for place, name in own if name]
         return denied(f"mode: {', '.join(known)}; there are no others; it is paused")
-    session.audience.voice(exchange.sender.source).px4 = requested.px4
+    link.audience.voice(incoming.station.sender.source).px4 = requested.px4
     if requested.driving_mode is modes.DrivingMode.HOLD:
-        return judged(exchange.request(intent.Pause()))
+        return judged(incoming.request(intent.Pause()))
     path_follower = 0 if requested.px4 else sub
-    if path_follower >= len(session.path_followers):
-        known = [f"{place} {name or 'the operator'}" for place, name in enumerate(session.path_followers)]
+    if path_follower >= len(link.path_followers):
+        known = [f"{place} {name or 'the operator'}" for place, name in enumerate(link.path_followers)]
         return denied(f"submode: {', '.join(known)}; there are no others")
-    mode = exchange.mode if requested.own is None else session.modes[requested.own]
-    entered = judged(exchange.request(intent.EnterMode(mode)))
-    if entered.result is Result.ACCEPTED and len(session.path_followers) > 1:
-        entered = judged(exchange.request(intent.Follow(session.path_followers[path_follower])))
+    mode = link.status.mode if requested.own is None else link.status.modes[requested.own]
+    entered = judged(incoming.request(intent.EnterMode(mode)))
+    if entered.result is Result.ACCEPTED and len(link.path_followers) > 1:
+        entered = judged(incoming.request(intent.Follow(link.path_followers[path_follower])))
     if entered.result is Result.ACCEPTED:
-        session.driven.order(requested.driving_mode, exchange.now)
+        link.driving.order(requested.driving_mode, incoming.now)
     return entered
 
 
-def _home(command: Command, exchange: Exchange) -> CommandAnswer:
+def _home(command: Command, incoming: Incoming) -> CommandAnswer:
     if command.params[0] != 1.0:
         return denied("home: only the present place (parameter 1 = 1) can be the origin")
-    return judged(exchange.request(intent.ResetOdometry()))
+    return judged(incoming.request(intent.ResetOdometry()))
 
 
-def _confirm_position(command: Command, exchange: Exchange) -> CommandAnswer:
-    number, axes = whole(command.params[0]), exchange.session.robot.axes
+def _confirm_position(command: Command, incoming: Incoming) -> CommandAnswer:
+    number, axes = whole(command.params[0]), incoming.link.robot.axes
     # Counted from 1: a command of zeros alone names no axis.
     known = number is not None and 1 <= number <= len(axes)
     axis = axes[number - 1].name if number is not None and known else f"axis {command.params[0]:g}"
-    return judged(exchange.request(intent.ConfirmPosition(axis, command.params[1])))
+    return judged(incoming.request(intent.ConfirmPosition(axis, command.params[1])))
 
 
-def _reboot(_: Command, exchange: Exchange) -> CommandAnswer:
-    if exchange.armed:
+def _reboot(_: Command, incoming: Incoming) -> CommandAnswer:
+    if incoming.link.status.armed:
         return denied("reboot: disarm first")
     return CommandAnswer(Result.UNSUPPORTED, "reboot: restart the bridge's program where it runs")
 
 
-def _request_control(command: Command, exchange: Exchange) -> CommandAnswer:
+def _request_control(command: Command, incoming: Incoming) -> CommandAnswer:
     """Take or give up control; stations of 2025 say in parameter 2 what those of 2026 say in parameter 1."""
     first, second, third = command.params[:3]
     if first == 1.0:
-        return change_control(exchange, requests=True, yields=second == 1.0)
+        return change_control(incoming, requests=True, yields=second == 1.0)
     if first == 0.0 and second in (0.0, 1.0):
-        return change_control(exchange, requests=second == 1.0, yields=third == 1.0)
+        return change_control(incoming, requests=second == 1.0, yields=third == 1.0)
     return denied("control: parameter 1 must be 0 (release) or 1 (request)")
 
 
-def change_control(exchange: Exchange, *, requests: bool, yields: bool) -> CommandAnswer:
+def change_control(incoming: Incoming, *, requests: bool, yields: bool) -> CommandAnswer:
     """Take or give up control; `yields`: and let any station take it over on request.
 
     The station in control receives the request, by the same command, so that it may ask its operator.
     """
-    control = exchange.session.control
-    if not requests and control.driver != exchange.sender:
-        return denied(f"control: {exchange.sender} is not in control")
+    stations = incoming.link.stations
+    if not requests and stations.in_control is not incoming.station:
+        return denied(f"control: {incoming.station.sender} is not in control")
     if not requests:
-        exchange.give_up_control()
-    elif exchange.refusal is None or control.yields:
-        exchange.take_control(yields=yields)
+        incoming.give_up_control()
+    elif incoming.refusal is None or stations.yields:
+        incoming.take_control(yields=yields)
     else:
-        exchange.ask_driver(MAV_CMD_REQUEST_OPERATOR_CONTROL)
+        incoming.ask_for_control(MAV_CMD_REQUEST_OPERATOR_CONTROL)
         return CommandAnswer(Result.FAILED)
     return ACCEPTED
 
@@ -389,11 +390,11 @@ def stops(command: Command) -> bool:
     return row is not None and row.stops(command)
 
 
-def obey(command: Command, exchange: Exchange) -> CommandAnswer:
+def obey(command: Command, incoming: Incoming) -> CommandAnswer:
     """Carry out an command, where it is possible, and where its sender may send it."""
     row = _BY_NUMBER.get(command.number)
     if row is None:
         return UNSUPPORTED
-    if exchange.refusal is not None and not row.anyone:
-        return denied(exchange.refusal)
-    return row.act(command, exchange)
+    if incoming.refusal is not None and not row.anyone:
+        return denied(incoming.refusal)
+    return row.act(command, incoming)

@@ -1,20 +1,29 @@
 """The handling of each message of a ground station, and the answer to it: a row for each."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
-from firmware_bridge.intent import EmergencyStop
 from firmware_bridge.mavlink.command import Command, Result
 from firmware_bridge.mavlink.frames import Message, dialect, text_of
 from firmware_bridge.mavlink.lacking import LACKING, Refusal
 from firmware_bridge.teleop.commands import change_control, obey, requests_stop, stops
-from firmware_bridge.teleop.exchange import Exchange
-from firmware_bridge.teleop.session import REMEMBERED, AnsweredCommand
-from firmware_bridge.teleop.setpoints import pressed
-from firmware_bridge.teleop.station import Unusable
+from firmware_bridge.teleop.driving import Driving, manual_control, pressed, stick_of
+from firmware_bridge.teleop.incoming import Incoming
+from firmware_bridge.teleop.setpoints import (
+    channels_of,
+    place_of,
+    stick_of_channels,
+    turns_alone,
+    velocity_of,
+)
+from firmware_bridge.teleop.station import Motion, Place, Unusable, Velocity
+from firmware_bridge.teleop.stations import AnsweredCommand, Lever
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
+REMEMBERED: Final[Nanoseconds] = 3 * SECOND
+"""Time for which a command's answer is kept for its repetitions."""
 STOP_ANSWERED_EVERY: Final[Nanoseconds] = SECOND
 """Of one station that is not in control, and of all untrusted ones."""
 _PROGRESS_UNKNOWN: Final = 0
@@ -23,195 +32,234 @@ _ALREADY_CONTROLLED: Final = 3
 """Of CHANGE_OPERATOR_CONTROL and its acknowledgement (common.xml)."""
 
 
-def _manual_control(exchange: Exchange) -> None:
-    session, peer = exchange.session, exchange.peer
-    buttons: int = exchange.message.buttons
-    if pressed(buttons, session.station.stop_button) and not exchange.stopped:
-        exchange.request(EmergencyStop())
-    if not exchange.newest():
-        return  # its buttons would go down twice
-    # The first message of a station has no edges: a button that is already down is no news.
-    gone_down = buttons & ~(buttons if peer.buttons is None else peer.buttons)
-    peer.buttons = buttons
-    exchange.hold_lever()
-    if exchange.refusal is not None:
-        exchange.ignore()
+def _channels(incoming: Incoming) -> None:
+    """Take the channels of an RC_CHANNELS_OVERRIDE as the newest command, or say why they give none."""
+    driving, held = incoming.link.driving, incoming.station.channels
+    if incoming.refusal is not None:
+        incoming.ignore()
+    elif incoming.newest():
+        given = channels_of(incoming.message, driving.rows.channels)
+        if isinstance(given, Unusable):
+            incoming.refuse(given)
+        elif given:
+            held.receive(given, incoming.now, driving.silent_after)
+            incoming.move(*stick_of_channels(held.values, driving.rows.channels, driving.rows.dead_band))
+
+
+def _set_point(incoming: Incoming) -> None:
+    """Take a SET_POSITION_TARGET_LOCAL_NED as the newest command, or say why it gives none."""
+    link, message = incoming.link, incoming.message
+    if incoming.refusal is not None:
+        incoming.ignore()
         return
-    if gone_down and exchange.late is None:
-        exchange.press(gone_down)
-    exchange.take_stick()
+    given: Velocity | Place | Unusable | None = None if link.rows.place is None else place_of(message)
+    if given is None:
+        given = velocity_of(message, link.rows.largest(link.robot), link.status.heading_rad)
+        if not isinstance(given, Unusable) and turns_alone(message):
+            given = _turned(given, link.driving)
+    if isinstance(given, Unusable):
+        incoming.refuse(given)
+    elif incoming.newest():
+        incoming.move(given, given.deflected)
 
 
-def _channels(exchange: Exchange) -> None:
-    if exchange.refusal is not None:
-        exchange.ignore()
-    elif exchange.newest():
-        exchange.take_channels()
+def _turned(velocity: Velocity, driving: Driving) -> Velocity | Unusable:
+    """Refuse a yaw rate alone where it turns nothing: a robot that steers turns only as it drives."""
+    command, still = driving.intent.command, replace(velocity, yaw_rate_rad_s=0.0)
+    if velocity.yaw_rate_rad_s and driving.applied(velocity, command) == driving.applied(still, command):
+        return Unusable("turn alone", "this robot does not turn on the spot; send a velocity, too")
+    return velocity
 
 
-def _no_way_to_drive(exchange: Exchange) -> None:
-    """Say once in a while that a kind of set-point moves nothing."""
-    if exchange.refusal is not None:
-        exchange.ignore()
+def _later(incoming: Incoming) -> None:
+    """Take a command of a second station with this number: only a stop or a neutral stick counts."""
+    message, rows, station = incoming.message, incoming.link.rows, incoming.station
+    given: tuple[Motion, str] | Unusable
+    if message.get_msgId() == dialect.MAVLINK_MSG_ID_MANUAL_CONTROL:
+        if pressed(message.buttons, rows.stop_button):
+            incoming.emergency_stop()
+        position = stick_of(message, rows, Lever())
+        given = position if isinstance(position, Unusable) else (position.stick, position.deflected)
+    elif message.get_msgId() == dialect.MAVLINK_MSG_ID_RC_CHANNELS_OVERRIDE:
+        channels = channels_of(message, rows.channels)
+        if isinstance(channels, Unusable):
+            given = channels
+        else:
+            held = {number: value for number, value in channels.items() if value is not None}
+            given = stick_of_channels(held, rows.channels, rows.dead_band)
     else:
-        exchange.refuse(Unusable(exchange.message.get_type(), "send SET_POSITION_TARGET_LOCAL_NED"))
+        velocity = velocity_of(message, rows.largest(incoming.link.robot), None)
+        given = velocity if isinstance(velocity, Unusable) else (velocity, velocity.deflected)
+    if isinstance(given, Unusable) or given[1]:
+        incoming.link.dropped.undriven += 1
+        text = f"{message.get_type()} of the second {station.sender} moves nothing"
+        incoming.warn("number", text)
+    elif incoming.refusal is None:
+        incoming.move(*given)
+        station.neutral_at = incoming.now
 
 
-def _command(exchange: Exchange) -> None:
-    message = exchange.message
+def _no_way_to_drive(incoming: Incoming) -> None:
+    """Say once in a while that a kind of set-point moves nothing."""
+    if incoming.refusal is not None:
+        incoming.ignore()
+    else:
+        incoming.refuse(Unusable(incoming.message.get_type(), "send SET_POSITION_TARGET_LOCAL_NED"))
+
+
+def _command(incoming: Incoming) -> None:
+    message = incoming.message
     last = (message.x, message.y) if message.get_type() == "COMMAND_INT" else (message.param5, message.param6)
     height = message.z if message.get_type() == "COMMAND_INT" else message.param7
     params = (message.param1, message.param2, message.param3, message.param4, *last, height)
-    _obey(exchange, Command(message.command, params), repeated=getattr(message, "confirmation", 0) > 0)
+    _obey(incoming, Command(message.command, params), repeated=getattr(message, "confirmation", 0) > 0)
 
 
-def _set_mode(exchange: Exchange) -> None:
+def _set_mode(incoming: Incoming) -> None:
     """Take the old SET_MODE as its command, and answer under the message's number, as ArduPilot does."""
     answer = obey(
         Command(
             dialect.MAV_CMD_DO_SET_MODE,
-            (exchange.message.base_mode, exchange.message.custom_mode, 0, 0, 0, 0, 0),
+            (incoming.message.base_mode, incoming.message.custom_mode, 0, 0, 0, 0, 0),
         ),
-        exchange,
+        incoming,
     )
-    _give_reason(exchange, answer.reason)
-    _acknowledge(exchange, dialect.MAVLINK_MSG_ID_SET_MODE, answer.result)
+    _give_reason(incoming, answer.reason)
+    _acknowledge(incoming, dialect.MAVLINK_MSG_ID_SET_MODE, answer.result)
 
 
-def _give_reason(exchange: Exchange, reason: str) -> None:
+def _give_reason(incoming: Incoming, reason: str) -> None:
     """Report an answer's reason; the same in a row is sent now and then, the answer itself each time."""
     if reason:
-        exchange.warn("command" if exchange.refusal is not None else reason, reason)
+        incoming.warn("command" if incoming.refusal is not None else reason, reason)
 
 
-def _obey(exchange: Exchange, command: Command, *, repeated: bool) -> None:
-    peer = exchange.peer
-    before = peer.answered if repeated and not stops(command) else None
-    if before is not None and exchange.now - before.at < REMEMBERED:
+def _obey(incoming: Incoming, command: Command, *, repeated: bool) -> None:
+    station = incoming.station
+    before = station.answered if repeated and not stops(command) else None
+    if before is not None and incoming.now - before.at < REMEMBERED:
         same = before.command == command.number and repr(before.params) == repr(
             command.params
         )  # NaN is not NaN
         if same:
-            _acknowledge(exchange, command.number, before.result)
+            _acknowledge(incoming, command.number, before.result)
             return
-    bystander_stops = exchange.refusal is not None and requests_stop(exchange.message, exchange.station)
-    answer = obey(command, exchange)
-    if bystander_stops and exchange.now - peer.stop_answered_at < STOP_ANSWERED_EVERY:
+    bystander_stops = incoming.refusal is not None and requests_stop(incoming.message, incoming.link.rows)
+    answer = obey(command, incoming)
+    if bystander_stops and incoming.now - station.stop_answered_at < STOP_ANSWERED_EVERY:
         return
     if bystander_stops:
-        peer.stop_answered_at = exchange.now
-    _give_reason(exchange, answer.reason)
-    peer.answered = AnsweredCommand(command.number, command.params, answer.result, exchange.now)
-    _acknowledge(exchange, command.number, answer.result)
+        station.stop_answered_at = incoming.now
+    _give_reason(incoming, answer.reason)
+    station.answered = AnsweredCommand(command.number, command.params, answer.result, incoming.now)
+    _acknowledge(incoming, command.number, answer.result)
 
 
-def stop_for_anybody(exchange: Exchange) -> list[Message]:
+def stop_for_anybody(incoming: Incoming) -> list[Message]:
     """Obey an emergency stop of an untrusted sender; it is answered once a second."""
-    session, message = exchange.session, exchange.message
-    if not exchange.stopped:
-        exchange.request(EmergencyStop())
-    if exchange.now - session.stop_answered_at < STOP_ANSWERED_EVERY:
+    link, message = incoming.link, incoming.message
+    incoming.emergency_stop()
+    if incoming.now - link.stop_answered_at < STOP_ANSWERED_EVERY:
         return []
-    session.stop_answered_at = exchange.now
+    link.stop_answered_at = incoming.now
     if message.get_type() != "MANUAL_CONTROL":
-        _acknowledge(exchange, message.command, Result.ACCEPTED)
-    return exchange.replies
+        _acknowledge(incoming, message.command, Result.ACCEPTED)
+    return incoming.replies
 
 
-def _acknowledge(exchange: Exchange, command: int, result: Result | int) -> None:
-    exchange.replies.append(
-        dialect.MAVLink_command_ack_message(command, result, _PROGRESS_UNKNOWN, 0, *exchange.address),
+def _acknowledge(incoming: Incoming, command: int, result: Result | int) -> None:
+    incoming.replies.append(
+        dialect.MAVLink_command_ack_message(command, result, _PROGRESS_UNKNOWN, 0, *incoming.address),
     )
 
 
-def _parameter_list(exchange: Exchange) -> None:
-    if exchange.refusal is not None and exchange.session.list_due != NEVER:
-        return  # repeated requests must not keep it from its end
-    exchange.session.listed = 0
-    exchange.session.list_due = exchange.now
+def _parameter_list(incoming: Incoming) -> None:
+    store = incoming.link.store
+    # Repeated requests of a station that only watches must not keep it from its end.
+    if incoming.refusal is None or store.list_due == NEVER:
+        store.begin_list(incoming.now)
 
 
-def _parameter_read(exchange: Exchange) -> None:
-    index = exchange.session.store.find(exchange.message.param_index, exchange.message.param_id)
+def _parameter_read(incoming: Incoming) -> None:
+    index = incoming.link.store.find(incoming.message.param_index, incoming.message.param_id)
     if index is None:
-        _parameter_error(exchange, exchange.message.param_index)
+        _parameter_error(incoming, incoming.message.param_index)
     else:
-        exchange.replies.append(exchange.session.store.message(index))
+        incoming.replies.append(incoming.link.store.message(index))
 
 
-def _parameter_set(exchange: Exchange) -> None:
-    session, message = exchange.session, exchange.message
-    index = session.store.find(-1, message.param_id)
+def _parameter_set(incoming: Incoming) -> None:
+    link, message = incoming.link, incoming.message
+    index = link.store.find(-1, message.param_id)
     if index is None:
-        _parameter_error(exchange, -1)
+        _parameter_error(incoming, -1)
         return
-    trouble = exchange.refusal or session.store.change(index, message.param_value)
+    trouble = incoming.refusal or link.store.change(index, message.param_value)
     if trouble:
-        exchange.warn(f"parameter {index}", trouble)
+        incoming.warn(f"parameter {index}", trouble)
     else:
-        stream, rate = session.store.rate(index)
+        stream, rate = link.store.rate(index)
         if stream is not None:
-            session.set_period(stream, round(1e9 / rate) if rate > 0.0 else NEVER, exchange.now)
-    exchange.replies.append(session.store.message(index))
+            link.set_period(stream, round(1e9 / rate) if rate > 0.0 else NEVER, incoming.now)
+    incoming.replies.append(link.store.message(index))
 
 
-def _parameter_error(exchange: Exchange, index: int) -> None:
-    name = text_of(exchange.message.param_id).encode("ascii")
+def _parameter_error(incoming: Incoming, index: int) -> None:
+    name = text_of(incoming.message.param_id).encode("ascii")
     unknown = dialect.MAV_PARAM_ERROR_DOES_NOT_EXIST
-    exchange.replies.append(dialect.MAVLink_param_error_message(*exchange.address, name, index, unknown))
+    incoming.replies.append(dialect.MAVLink_param_error_message(*incoming.address, name, index, unknown))
 
 
-def _version(exchange: Exchange) -> None:
-    exchange.send(dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
+def _version(incoming: Incoming) -> None:
+    incoming.send(dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
 
 
-def _change_control(exchange: Exchange) -> None:
+def _change_control(incoming: Incoming) -> None:
     """Take the old CHANGE_OPERATOR_CONTROL as the command that replaced it; no pass key is required."""
-    requests: int = exchange.message.control_request
-    answer = change_control(exchange, requests=requests == _REQUESTS, yields=False)
+    requests: int = incoming.message.control_request
+    answer = change_control(incoming, requests=requests == _REQUESTS, yields=False)
     refused = _ALREADY_CONTROLLED if answer.result is not Result.ACCEPTED else 0
-    exchange.replies.append(
-        dialect.MAVLink_change_operator_control_ack_message(exchange.sender.system, requests, refused)
+    incoming.replies.append(
+        dialect.MAVLink_change_operator_control_ack_message(incoming.station.sender.system, requests, refused)
     )
 
 
-def _setup_signing(exchange: Exchange) -> None:
-    exchange.warn("signing", "SETUP_SIGNING refused: the key comes from a file, drive --key")
+def _setup_signing(incoming: Incoming) -> None:
+    incoming.warn("signing", "SETUP_SIGNING refused: the key comes from a file, drive --key")
 
 
-def _timesync(exchange: Exchange) -> None:
-    if exchange.message.tc1 != 0:
-        _answered(exchange)
+def _timesync(incoming: Incoming) -> None:
+    if incoming.message.tc1 != 0:
+        _answered(incoming)
     else:
-        exchange.replies.append(dialect.MAVLink_timesync_message(max(exchange.now, 1), exchange.message.ts1))
+        incoming.replies.append(dialect.MAVLink_timesync_message(max(incoming.now, 1), incoming.message.ts1))
 
 
-def _ping(exchange: Exchange) -> None:
-    message = exchange.message
+def _ping(incoming: Incoming) -> None:
+    message = incoming.message
     if (message.target_system, message.target_component) == (0, 0):
-        exchange.replies.append(
-            dialect.MAVLink_ping_message(message.time_usec, message.seq, *exchange.address)
+        incoming.replies.append(
+            dialect.MAVLink_ping_message(message.time_usec, message.seq, *incoming.address)
         )
     else:
-        _answered(exchange)
+        _answered(incoming)
 
 
-def _answered(exchange: Exchange) -> None:
+def _answered(incoming: Incoming) -> None:
     """Take an answer to a request of ours: only the station in control gets one."""
-    session = exchange.session
-    if exchange.sender == session.control.driver:
-        session.ages.answered(exchange.message, exchange.now)
+    if incoming.station is incoming.link.stations.in_control:
+        incoming.station.clocks.answered(incoming.message, incoming.now)
 
 
-def _lacks(refusal: Refusal, exchange: Exchange) -> None:
-    answer = refusal(exchange.message, exchange.address)
-    exchange.replies += () if answer is None else (answer,)
+def _lacks(refusal: Refusal, incoming: Incoming) -> None:
+    answer = refusal(incoming.message, incoming.address)
+    incoming.replies += () if answer is None else (answer,)
 
 
-HANDLERS: Final[dict[int, Callable[[Exchange], None]]] = {
-    dialect.MAVLINK_MSG_ID_MANUAL_CONTROL: _manual_control,
+HANDLERS: Final[dict[int, Callable[[Incoming], None]]] = {
+    dialect.MAVLINK_MSG_ID_MANUAL_CONTROL: manual_control,
     dialect.MAVLINK_MSG_ID_RC_CHANNELS_OVERRIDE: _channels,
-    dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED: Exchange.take_target,
+    dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED: _set_point,
     dialect.MAVLINK_MSG_ID_SET_ATTITUDE_TARGET: _no_way_to_drive,
     dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_GLOBAL_INT: _no_way_to_drive,
     dialect.MAVLINK_MSG_ID_SET_ACTUATOR_CONTROL_TARGET: _no_way_to_drive,
@@ -228,12 +276,12 @@ HANDLERS: Final[dict[int, Callable[[Exchange], None]]] = {
     dialect.MAVLINK_MSG_ID_TIMESYNC: _timesync,
     dialect.MAVLINK_MSG_ID_PING: _ping,
 }
-LATER: Final[dict[int, Callable[[Exchange], None]]] = HANDLERS | dict.fromkeys(
+LATER: Final[dict[int, Callable[[Incoming], None]]] = HANDLERS | dict.fromkeys(
     (
         dialect.MAVLINK_MSG_ID_MANUAL_CONTROL,
         dialect.MAVLINK_MSG_ID_RC_CHANNELS_OVERRIDE,
         dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED,
     ),
-    Exchange.take_later,
+    _later,
 )
 """Of a second station that calls itself as one that was there before."""

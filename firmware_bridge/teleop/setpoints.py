@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Final
 
 from firmware_bridge.mavlink.frames import Message, dialect
-from firmware_bridge.teleop.manual_control import StickPosition
 from firmware_bridge.teleop.station import Channel, Place, Stick, StickAxis, Twist, Unusable, Velocity
 
 BODY_FRAMES: Final = frozenset(
@@ -78,11 +77,6 @@ _LEAST_US, _MOST_US = 900, 2100
 """A receiver that has lost its transmitter sends less than 950, and no one's stick as much as that."""
 
 
-def pressed(buttons: int, button: int | None) -> bool:
-    """Return whether a button, from 0, is among these bits; a robot without it never has it pressed."""
-    return button is not None and bool(buttons >> button & 1)
-
-
 def channels_of(message: Message, rows: Iterable[Channel]) -> dict[int, int | None] | Unusable:
     """Read these rows' channels of an RC_CHANNELS_OVERRIDE, in us; None: given back, left out: kept."""
     held: dict[int, int | None] = {}
@@ -105,8 +99,8 @@ def channels_of(message: Message, rows: Iterable[Channel]) -> dict[int, int | No
 
 def stick_of_channels(
     channels: Mapping[int, int], rows: Iterable[Channel], dead_band: float
-) -> StickPosition:
-    """Return the stick that these channels are, in us; one that is not there is an axis that is not used."""
+) -> tuple[Stick, str]:
+    """Return the stick that these channels are, in us, and which is deflected; none: an axis not used."""
     shares: dict[StickAxis, float] = {}
     deflected = ""
     for row in rows:
@@ -123,7 +117,7 @@ def stick_of_channels(
         turn=shares.get(StickAxis.TURN),
         up=None,
     )
-    return StickPosition(stick, deflected)
+    return stick, deflected
 
 
 def place_of(message: Message) -> Place | Unusable | None:

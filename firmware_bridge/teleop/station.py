@@ -47,23 +47,6 @@ class Stick:
     up: float | None
     """z, where the station reads it, beyond its dead band; with an `up_button` from where it was pressed."""
 
-    def after(self, before: "Motion") -> "Stick":
-        """Return it with those axes at 0 that its station deflected before, and does not use any more."""
-        if not isinstance(before, Stick):
-            return self
-        # Where one of the two is in use, it steers.
-        steered = self.left is not None or self.turn is not None
-        return Stick(
-            _neutral_once_released(self.forward, before.forward),
-            self.left if steered else _neutral_once_released(self.left, before.left),
-            self.turn if steered else _neutral_once_released(self.turn, before.turn),
-            self.up,
-        )
-
-
-def _neutral_once_released(share: float | None, before: float | None) -> float | None:
-    return 0.0 if share is None and before else share
-
 
 @valueclass(frozen=True, slots=True)
 class Velocity:

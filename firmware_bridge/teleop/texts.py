@@ -11,8 +11,9 @@ from firmware_bridge.intent import AgeLimit
 from firmware_bridge.mavlink.age import Ages
 from firmware_bridge.mavlink.frames import Message
 from firmware_bridge.mavlink.texts import Speaker
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.interlock_base import Severity
-from firmware_bridge.safety.snapshot import ActiveInterlock
+from firmware_bridge.safety.snapshot import ActiveInterlock, Facts
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 
 REPORTED_AFTER: Final[Nanoseconds] = 3 * SECOND
@@ -154,4 +155,47 @@ class InterlockTexts:
                 self._began[key] = [*lately, now]
                 remedy = f"; {event.remedy}" if event.remedy else ""
                 messages += self._speaker.say(event.interlock.severity, f"{event.reason}{remedy}")
+        return messages
+
+
+class Texts:
+    """Texts for the operators: for all of them with the next report, or for one with its answer."""
+
+    MOST_UNSENT: Final = 8
+    """Control that changes all the time must not flood those who only watch."""
+
+    def __init__(self, robot: AnyRobot) -> None:
+        self.speaker: Final = Speaker()
+        self.unsent: list[Message] = []
+        """Messages about control, sent with the next report, beside the answers."""
+        self._interlocks: Final = InterlockTexts(self.speaker)
+        self._called: Final = {axis.name: axis.called for axis in robot.axes}
+        self._faults: Final[dict[str, str]] = {}
+        """The fault of each axis that was reported last, by the axis' name."""
+
+    def report(self, severity: Severity, text: str) -> None:
+        """Queue a text for the next report, unless the queue is full."""
+        if len(self.unsent) < self.MOST_UNSENT:
+            self.unsent += self.speaker.say(severity, text)
+
+    def sometimes(self, key: str, text: str, now: Nanoseconds) -> bool:
+        """Queue a warning, but not at the rate of a joystick; return whether it is queued."""
+        given = self.speaker.say_sometimes(key, text, now)
+        self.unsent += given
+        return bool(given)
+
+    def due(self, facts: Facts, events: tuple[ActiveInterlock, ...], now: Nanoseconds) -> list[Message]:
+        """Return what is queued, what began or ended of the interlocks, and changes of the axes' faults."""
+        messages = self.unsent + self._interlocks.due(events, now)
+        self.unsent = []
+        for axis in facts.axes.values():
+            before = self._faults.get(axis.axis, "")
+            if axis.fault == before:
+                continue
+            self._faults[axis.axis] = axis.fault
+            called = self._called[axis.axis]
+            if axis.fault:
+                messages += self.speaker.say(Severity.CRITICAL, f"{called}: fault {axis.fault}")
+            else:
+                messages += self.speaker.say(Severity.INFO, f"{called}: fault cleared")
         return messages

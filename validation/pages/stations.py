@@ -10,7 +10,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_type import AnyRobotType
 from firmware_bridge.robot_types import find, robot_type_of
 from firmware_bridge.teleop.commands import ROWS as COMMANDS
-from firmware_bridge.teleop.manual_control import AXES
+from firmware_bridge.teleop.driving import AXES
 from firmware_bridge.teleop.station import USUAL_CHANNELS, AnyStation, Stick, StickAxis
 from firmware_bridge.teleop.streams import load, narrowest, streams_of
 from firmware_bridge.units import Nanoseconds, to_seconds

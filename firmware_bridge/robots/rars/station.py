@@ -49,7 +49,7 @@ def of_stick(stick: Stick, command: RarsMotion, robot: Robot[RarsGeometry]) -> R
     return replace(
         command,
         speed_mps=(stick.forward or 0.0) * limits.speed_mps,
-        steer_rad=command.steer_rad if side is None else side * limits.steer_angle_rad,
+        steer_rad=command.steer_rad if side is None else side * math.radians(limits.steer_angle_deg),
         # A stick that moves the lift drops its target: it goes with a rate from where it is.
         lift_m=command.lift_m if stick.up is None else None,
         lift_rate_mps=(stick.up or 0.0) * limits.lift_rate_mps,

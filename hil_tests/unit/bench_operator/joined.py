@@ -1,4 +1,4 @@
-"""The scripted operator, joined directly to the bridge's Operator: both ends real, only the wire is short."""
+"""The scripted operator, joined directly to the bridge's operator link: both ends real, a short wire."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -26,7 +26,7 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.safety.snapshot import ActiveInterlock, Snapshot
-from firmware_bridge.teleop.operator import Operator
+from firmware_bridge.teleop.operator_link import OperatorLink
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from hil_tests.safety import gate_bench
 
@@ -53,7 +53,7 @@ def find(name: str) -> Mission:
 
 @dataclass
 class Robotlike:
-    """The bridge as far as an operator sees it: Operator, an arming switch, and a cycle of 50 ms."""
+    """The bridge as far as an operator sees it: OperatorLink, an arming switch, and a cycle of 50 ms."""
 
     robot: AnyRobot = RARS
     armed: bool = False
@@ -66,7 +66,7 @@ class Robotlike:
 
     def __post_init__(self) -> None:
         rolling = ROBOT_TYPE.rules(self.robot)[""].kinematics.rolling
-        self.operator: Operator = Operator(
+        self.operator: OperatorLink = OperatorLink(
             self.robot, ROBOT_TYPE.station, ROBOT_TYPE.standstill, rolling=rolling
         )
 

@@ -37,7 +37,7 @@ from firmware_bridge.robot_type import RobotMode, RobotType
 from firmware_bridge.robot_types import robot_type_named
 from firmware_bridge.safety.interlock import Interlock, View
 from firmware_bridge.safety.snapshot import Snapshot
-from firmware_bridge.teleop.operator import Operator
+from firmware_bridge.teleop.operator_link import OperatorLink
 from firmware_bridge.teleop.station import StationRows, Stick, Twist, Unusable, Velocity
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds, to_seconds
 
@@ -325,7 +325,7 @@ class FakeCart:
         )
         rules = ROBOT_TYPE.rules(self.robot)
         self._codec = Codec(255, 190)
-        self._operator: Operator = Operator(
+        self._operator: OperatorLink = OperatorLink(
             self.robot,
             ROBOT_TYPE.station,
             ROBOT_TYPE.standstill,

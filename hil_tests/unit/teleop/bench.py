@@ -1,4 +1,4 @@
-"""A ground station and an Operator, joined directly: each receives the other's messages."""
+"""A ground station and an OperatorLink, joined directly: each receives the other's messages."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -17,7 +17,7 @@ from firmware_bridge.intent import (
     Request,
 )
 from firmware_bridge.mavlink.frames import Codec, dialect
-from firmware_bridge.mavlink.trust import Trust
+from firmware_bridge.mavlink.trust import ANY_STATION, Trust
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot, Table
 from firmware_bridge.robots.rars.geometry import RarsGeometry
@@ -25,9 +25,9 @@ from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.robots.rars.station import STATION
 from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.safety.snapshot import ActiveInterlock, Facts, Snapshot
-from firmware_bridge.teleop.operator import Operator
-from firmware_bridge.teleop.session import ANY_STATION
+from firmware_bridge.teleop.operator_link import OperatorLink
 from firmware_bridge.teleop.station import StationRows
+from firmware_bridge.teleop.stations import Station
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 G = TypeVar("G", bound=Table)
@@ -54,7 +54,7 @@ class Bench(Generic[G, M, S]):
     modes: tuple[str, ...] = ()
     facts: Facts = field(init=False)
     pose: Pose = field(default_factory=Pose)
-    operator: Operator = field(init=False)
+    operator: OperatorLink = field(init=False)
     station: Codec = field(default_factory=lambda: Codec(255, 190))
     now: Nanoseconds = 0
     requested: list[Request] = field(default_factory=list)
@@ -79,7 +79,7 @@ class Bench(Generic[G, M, S]):
 
     def restart(self) -> None:
         """Begin with an operator that has received nothing."""
-        self.operator = Operator(
+        self.operator = OperatorLink(
             self.robot, self.rows, self.rest, rolling=self.rolling, modes=self.modes, trust=self.trust
         )
 
@@ -220,3 +220,10 @@ def bench_of(name: str) -> Bench[Any, Any, Any]:
     robot = robot_types.find(name)
     kind = robot_types.robot_type_of(robot)
     return Bench(robot, kind.station, kind.standstill, None, ())
+
+
+def in_control(bench: Bench[Any, Any, Any]) -> Station:
+    """Return the station that drives."""
+    station = bench.operator.stations.in_control
+    assert station is not None
+    return station

@@ -8,12 +8,12 @@ import pytest
 
 from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, Pause, Resume
 from firmware_bridge.mavlink.age import BOOT_WRAPS, ROWS
-from firmware_bridge.mavlink.frames import Codec, dialect
-from firmware_bridge.mavlink.round_trips import EVERY, LOSS_OVER, MOST_OPEN, Losses, RoundTrips
+from firmware_bridge.mavlink.frames import LOSS_OVER, Codec, Losses, dialect
+from firmware_bridge.mavlink.round_trips import EVERY, MOST_OPEN, RoundTrips
 from firmware_bridge.mavlink.trust import Trust
 from firmware_bridge.robot import UnknownAge
 from firmware_bridge.units import MILLISECOND, SECOND
-from hil_tests.unit.teleop.bench import CYCLE, rars, target_message
+from hil_tests.unit.teleop.bench import CYCLE, in_control, rars, target_message
 from hil_tests.unit.teleop.received import texts
 from hil_tests.unit.teleop.timestamped import BEAT, HERE, NOW, QUESTIONS, THERE, Station, age_of, driving
 
@@ -177,7 +177,7 @@ def test_a_station_whose_stamps_count_frames_does_not_date_its_words() -> None:
 def test_only_an_answer_of_who_drives_to_an_open_question_counts() -> None:
     station = driving(answers=set())
     other = Station(station.bench, THERE)
-    ages = station.bench.operator._session.ages  # noqa: SLF001 - not reported anywhere
+    ages = in_control(station.bench).clocks
     question = next(one for one in reversed(station.requested) if one.get_type() == "TIMESYNC")
     station.comes(other.answer(question), THERE)
     assert ages.trips.newest(station.bench.now) is None, "of another place"
@@ -202,7 +202,7 @@ def test_a_timesync_with_the_newer_fields_counts() -> None:
     crc = dialect.x25crc(header[1:] + payload)
     crc.accumulate(bytes((34,)))
     station.comes(header + payload + crc.crc.to_bytes(2, "little"))
-    assert station.bench.operator._session.ages.trips.newest(station.bench.now) is not None  # noqa: SLF001
+    assert in_control(station.bench).clocks.trips.newest(station.bench.now) is not None
 
 
 def test_a_new_driver_is_requested_again() -> None:

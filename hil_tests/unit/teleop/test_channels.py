@@ -146,7 +146,7 @@ def test_from_the_ninth_channel_on_nought_sends_nothing_and_65534_gives_it_back(
 
 @given(st.dictionaries(st.sampled_from([1, 3, 4]), st.integers(900, 2100)))
 def test_whatever_the_channels_are_the_stick_is_within_its_stops(channels: dict[int, int]) -> None:
-    stick = stick_of_channels(channels, USUAL_CHANNELS, 0.05).stick
+    stick, _ = stick_of_channels(channels, USUAL_CHANNELS, 0.05)
     for share in (stick.forward, stick.left, stick.turn):
         assert share is None or -1.0 <= share <= 1.0
     assert stick.up is None

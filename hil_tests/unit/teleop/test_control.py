@@ -18,10 +18,10 @@ from firmware_bridge.intent import (
 )
 from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.teleop.commands import ROWS
-from firmware_bridge.teleop.control import LAPSES_AFTER, Sender
-from firmware_bridge.teleop.session import MOST_PEERS
+from firmware_bridge.teleop.stations import LAPSES_AFTER, MOST_STATIONS, Sender
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.internet import number_of
+from hil_tests.unit.teleop.bench import in_control
 from hil_tests.unit.teleop.received import texts, types
 from hil_tests.unit.teleop.stations import (
     ARM,
@@ -287,14 +287,14 @@ def test_at_the_drivers_own_place_no_one_else_sets_intervals(bench: RarsBench, d
 
 
 def test_foreign_nodes_do_not_fill_the_memory_nor_push_the_driver_out(bench: RarsBench, driver: Hand) -> None:
-    for place in range(3 * MOST_PEERS):
+    for place in range(3 * MOST_STATIONS):
         bench.now += 1
         Hand(bench, place + 1).stick()
     bench.now += MILLISECOND
     driver.stick(200)
     assert bench.command.speed_mps == pytest.approx(0.1)
-    assert len(bench.operator.stations) <= MOST_PEERS
-    assert bench.operator.stations[0] == bench.operator.driver, "remembered from the first"
+    assert len(bench.operator.stations.of) <= MOST_STATIONS
+    assert next(iter(bench.operator.stations.of)) == bench.operator.driver, "remembered from the first"
 
 
 def test_while_no_one_drives_anybody_clears_and_arms(bench: RarsBench) -> None:
@@ -339,7 +339,7 @@ def test_frames_for_another_robot_on_the_link_are_none_that_were_lost(bench: Rar
         for _other in range(3):
             bench.stick(target=2)
         bench.now = cycle * 50 * MILLISECOND
-    assert bench.operator._session.ages.losses.share == 0.0  # noqa: SLF001 - the reported share
+    assert in_control(bench).clocks.losses.share == 0.0
 
 
 def test_a_station_that_calls_itself_as_the_robot_is_named_once(bench: RarsBench) -> None:

@@ -9,8 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from firmware_bridge.intent import EmergencyStop
-from firmware_bridge.mavlink.frames import Codec, dialect
-from firmware_bridge.mavlink.numbered import FAR, FAR_LEAST, LEAST, Numbered
+from firmware_bridge.mavlink.frames import FAR, FAR_LEAST, LEAST, Codec, FrameNumbers, dialect
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.bench import RarsBench, rars
 from hil_tests.unit.teleop.received import texts
@@ -18,7 +17,7 @@ from hil_tests.unit.teleop.received import texts
 EVERY = 40 * MILLISECOND
 
 
-def repeats(numbered: Numbered, frames: Iterator[tuple[int, int]]) -> list[bool]:
+def repeats(numbered: FrameNumbers, frames: Iterator[tuple[int, int]]) -> list[bool]:
     """Return for each of these frames, 40 ms apart, True if two senders were seen: number and content."""
     return [
         numbered.receive(number & 0xFF, content, at * EVERY) or numbered.two
@@ -29,7 +28,7 @@ def repeats(numbered: Numbered, frames: Iterator[tuple[int, int]]) -> list[bool]
 @given(begin=st.integers(0, 255), lost=st.lists(st.booleans(), min_size=50, max_size=400))
 def test_of_one_station_frames_may_be_lost(begin: int, lost: list[bool]) -> None:
     frames = ((begin + at, at) for at, gone in enumerate(lost) if not gone)
-    assert not any(repeats(Numbered(), frames))
+    assert not any(repeats(FrameNumbers(), frames))
 
 
 @given(
@@ -39,7 +38,7 @@ def test_of_one_station_frames_may_be_lost(begin: int, lost: list[bool]) -> None
 def test_of_one_station_frames_may_be_overtaken_and_doubled(order: list[int], doubled: set[int]) -> None:
     came = sorted(range(len(order)), key=lambda at: at + order[at] / 10.0)
     frames = [at for at in came for _ in range(2 if at in doubled else 1)]
-    assert not any(repeats(Numbered(), ((at, at) for at in frames)))
+    assert not any(repeats(FrameNumbers(), ((at, at) for at in frames)))
 
 
 @pytest.mark.parametrize("late", [5, 16, 17, 50, FAR])
@@ -48,14 +47,14 @@ def test_one_station_whose_frames_come_late_for_a_while_is_one(late: int) -> Non
     # So many frames wait on their way; then each of them comes beside one that does not.
     both = [at for behind in range(40, 40 + late) for at in (behind + late, behind)]
     frames = [*on_time, *both, *range(40 + 2 * late, 200 + 2 * late)]
-    assert not any(repeats(Numbered(), ((at, at) for at in frames)))
+    assert not any(repeats(FrameNumbers(), ((at, at) for at in frames)))
 
 
 @pytest.mark.parametrize("restarts", [[20], [20, 60], [5, 10, 15]])
 def test_a_station_that_begins_again_is_one(restarts: list[int]) -> None:
     begins = [0, *restarts, 120]
     frames = ((at - begin, at) for begin, end in pairwise(begins) for at in range(begin, end))
-    assert not any(repeats(Numbered(), frames))
+    assert not any(repeats(FrameNumbers(), frames))
 
 
 @given(apart=st.integers(1, 255), joins=st.integers(5, 60))
@@ -65,7 +64,7 @@ def test_a_station_that_begins_again_is_one(restarts: list[int]) -> None:
 @example(apart=20, joins=60)
 @example(apart=100, joins=60)
 def test_two_are_seen_and_distinguished(apart: int, joins: int) -> None:
-    numbered = Numbered()
+    numbered = FrameNumbers()
     for at in range(joins):
         assert not numbered.receive(at & 0xFF, at, at * EVERY)
     stated, seen_after = [], None
@@ -89,7 +88,7 @@ def test_two_are_seen_and_distinguished(apart: int, joins: int) -> None:
 
 
 def test_when_one_of_them_is_gone_there_is_one() -> None:
-    numbered = Numbered()
+    numbered = FrameNumbers()
 
     def speak(at: int, *, both: bool) -> bool:
         if both:

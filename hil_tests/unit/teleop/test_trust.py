@@ -130,7 +130,7 @@ def test_unsigned_and_wrongly_signed_words_are_refused_and_reported(
     assert keyed.requested == []
     assert keyed.operator.dropped.doubted == 2
     assert keyed.operator.driver is None
-    assert keyed.operator.stations == ()
+    assert keyed.operator.stations.of == {}
     [text] = ["".join(texts(keyed.report()))]
     assert f"HEARTBEAT of 255/190 at 10.0.0.1:14550 refused: it {doubt}" in text
     receives(keyed, signer.states(BEAT))
@@ -147,7 +147,7 @@ def test_a_frame_with_one_wrong_bit_is_not_believed(bit: int) -> None:
     frame = bytearray(SIGNED_BEAT)
     frame[1 + bit // 8] ^= 1 << bit % 8
     receives(bench, bytes(frame))
-    assert bench.operator.stations == ()
+    assert bench.operator.stations.of == {}
 
 
 def test_a_frame_is_believed_once(keyed: RarsBench) -> None:
@@ -157,7 +157,7 @@ def test_a_frame_is_believed_once(keyed: RarsBench) -> None:
     for replayed in (first, second):
         receives(keyed, replayed, THERE)
     assert keyed.operator.dropped.doubted == 2
-    assert [sender.source for sender in keyed.operator.stations] == [HERE]
+    assert [sender.source for sender in keyed.operator.stations.of] == [HERE]
     assert believed(keyed, station.states(BEAT))
 
 
@@ -182,7 +182,7 @@ def test_a_wrong_signature_with_the_largest_stamp_locks_no_one_out(keyed: RarsBe
 def test_a_radio_may_speak_unsigned_and_is_nobodys_sign_of_life(key: bytes | None) -> None:
     bench = bench_with(Trust(key=key, started_at=NOW))
     assert believed(bench, Signer(None).states(dialect.MAVLink_radio_status_message(1, 2, 3, 4, 5, 6, 7)))
-    assert bench.operator.stations == ()
+    assert bench.operator.stations.of == {}
     bench.now += CYCLE
     assert "".join(texts(bench.report())) == ""
 

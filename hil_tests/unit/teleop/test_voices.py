@@ -71,7 +71,7 @@ def test_what_extensions_leave_of_a_message_is_what_mavlink_1_has(number: int) -
 
 
 def test_nothing_is_stated_whose_length_was_not_looked_up(bench: RarsBench) -> None:
-    assert {row.number for row in bench.operator._session.streams if row.number < 256} <= SENT  # noqa: SLF001
+    assert {row.number for row in bench.operator.streams if row.number < 256} <= SENT
 
 
 def test_a_station_of_mavlink_1_is_reported_and_answered_in_it(bench: RarsBench) -> None:
