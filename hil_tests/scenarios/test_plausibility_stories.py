@@ -26,6 +26,8 @@ WATCHED: Final = ("tracking error", "uncommanded motion", "position not changing
 NOTICED_S: Final = 0.5
 """Within this time of the fault, or of the demand that it does not obey, the robot is disarmed."""
 LINKS: Final = pytest.mark.parametrize("robot", [None, over_serial(RARS)], ids=["can", "serial"])
+STANDS_BY_S: Final = {"can": 9.0, "serial": 10.0}
+"""The stages of a stop that nothing obeys are over; a serial line's own watchdog of the drives is the slower."""
 
 
 def noticed(ride: Ride, name: str, after: float) -> float:
@@ -38,7 +40,9 @@ def noticed(ride: Ride, name: str, after: float) -> float:
 
 @pytest.mark.long(keeps=["can"])
 @LINKS
-def test_a_drive_that_ignores_its_set_points_moves_uncommanded(rides: Ridden, robot: AnyRobot | None) -> None:
+def test_a_drive_that_ignores_its_set_points_moves_uncommanded(
+    rides: Ridden, robot: AnyRobot | None, request: pytest.FixtureRequest
+) -> None:
     """It reports that it is enabled; demanded 0, measured 0.15 m/s."""
     ride = rides(
         ARMED,
@@ -49,11 +53,14 @@ def test_a_drive_that_ignores_its_set_points_moves_uncommanded(rides: Ridden, ro
         robot=robot,
         faults=[fault("set_points_ignored", 6.0, node="left")],
     )
-    ride.runs_until(10.0)
+    stands_by = STANDS_BY_S[request.node.callspec.id]
+    ride.runs_until(stands_by + 1.0)
     assert noticed(ride, "uncommanded motion: left", 6.5) < NOTICED_S
     assert "uncommanded motion: left" in ride.held_between(6.5, 7.0)
     assert not ride.now["armed"]
-    assert ride.fastest(9.0, 10.0) < 0.005, "it obeyed no word, and stopped when the heartbeat was withheld"
+    assert ride.fastest(stands_by, stands_by + 1.0) < 0.005, (
+        "it obeyed no word, and stopped when the heartbeat was withheld"
+    )
 
 
 def test_a_drive_that_ignores_a_speed_does_not_follow(rides: Ridden) -> None:
