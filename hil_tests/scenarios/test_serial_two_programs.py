@@ -207,7 +207,7 @@ def test_a_second_station_on_another_port_clears_and_arms_nothing_but_may_stop(
             ("--zero", "left=0"),
             "zero: no position to confirm for left; to be confirmed: steer (deg), lift (m)",
         ),
-        (("--baud", "9600"), "--baud: is of a serial port; name it with --serial DEVICE"),
+        (("--baud", "9600"), "rars: --baud: is of a serial port; name it with --serial DEVICE"),
     ],
 )
 def test_mistakes_are_reported_in_one_message(
