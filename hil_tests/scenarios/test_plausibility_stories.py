@@ -27,7 +27,7 @@ NOTICED_S: Final = 0.5
 """Within this time of the fault, or of the demand that it does not obey, the robot is disarmed."""
 LINKS: Final = pytest.mark.parametrize("robot", [None, over_serial(RARS)], ids=["can", "serial"])
 STANDS_BY_S: Final = {"can": 9.0, "serial": 10.0}
-"""Time when the stages of a stop that nothing obeys are over: a serial line watches its drives more slowly."""
+"""Time when all stages of a stop that nothing obeys are over: a serial line watches its drives later."""
 
 
 def noticed(ride: Ride, name: str, after: float) -> float:
