@@ -32,7 +32,8 @@ def test_no_old_name_is_imported(path: Path) -> None:
         for node in imports(path.read_text(encoding="utf-8")):
             module = import_module(node.module or "")
             for alias in node.names:
-                assert hasattr(module, alias.name) or import_module(f"{node.module}.{alias.name}")
+                if not hasattr(module, alias.name):
+                    import_module(f"{node.module}.{alias.name}")
 
 
 def test_templates_and_examples_are_looked_at() -> None:
