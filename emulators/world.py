@@ -18,6 +18,10 @@ LIVELOCK: Final = 100_000
 """Limit of events at one instant; more are a fault of a node that requests a wake at once, for ever."""
 
 
+MOST_KEPT: Final = 256
+"""Packets that wait for a node that is suspended: a socket's of Linux, 212,992 bytes with their headers."""
+
+
 class WorldError(Exception):
     """A world that is wired wrongly, or a node that lets no time pass."""
 
@@ -58,7 +62,7 @@ class Wire(Protocol):
 class WorldNode:
     """A node at its place in the world."""
 
-    __slots__ = ("links", "listens", "name", "node", "receive", "silent_from", "wake", "wake_at")
+    __slots__ = ("kept", "links", "listens", "name", "node", "receive", "silent_from", "wake", "wake_at")
 
     def __init__(self, name: str, node: Node, links: Mapping[str, Wire]) -> None:
         self.name = name
@@ -69,6 +73,8 @@ class WorldNode:
         self.listens = node.listens if isinstance(node, Selective) else None
         self.wake_at: Nanoseconds = NEVER
         self.silent_from: Nanoseconds = NEVER
+        self.kept: list[Packet] | None = None
+        """Packets that wait for a node that is suspended; None for one that runs."""
 
 
 class World:
@@ -125,6 +131,19 @@ class World:
     def silence(self, name: str, from_time: Nanoseconds) -> None:
         """Cut a node off its wires from an instant on. It lives on and may notice; `NEVER` restores it."""
         self._station(name).silent_from = from_time
+
+    def suspend(self, name: str) -> None:
+        """Let a node's program not run, like a stopped process or a machine asleep; packets wait for it."""
+        station = self._station(name)
+        station.kept = [] if station.kept is None else station.kept
+
+    def resume(self, name: str) -> None:
+        """Let it run again: what has waited is received now, in order, and then it is woken."""
+        station = self._station(name)
+        kept, station.kept = station.kept, None
+        for packet in kept or ():
+            self.deliver(station, packet)
+        self._command(station, self.now)
 
     def rouse(self, name: str) -> None:
         """Wake a node now: something was done to it that it has to act on."""
@@ -187,7 +206,11 @@ class World:
     def deliver(self, station: WorldNode, packet: Packet) -> None:
         """Hand a packet to a station that listens to it, now, and take what it sends in answer."""
         now = self.now
-        if now < station.silent_from:
+        if station.kept is not None:
+            # Beyond its buffer the newest are lost, as a socket's of Linux are.
+            if len(station.kept) < MOST_KEPT:
+                station.kept.append(packet)
+        elif now < station.silent_from:
             # A node that is cut off neither receives nor answers; it is still woken, and may notice.
             reaction = station.receive(packet, now)
             if reaction.sent or reaction.wake_at != station.wake_at:
@@ -263,6 +286,6 @@ class World:
 
     def _wake(self, station: WorldNode) -> None:
         # An earlier request stays on the agenda: it finds another time here, and does nothing.
-        if station.wake_at == self.now:
+        if station.wake_at == self.now and station.kept is None:
             station.wake_at = NEVER
             self._take(station, station.wake(self.now))

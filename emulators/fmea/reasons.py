@@ -42,6 +42,11 @@ REASONS: Final = (
         "bridge_ends", "no bridge is left to report it: each device stops by its own watchdog", watched=True
     ),
     Reason(
+        "bridge_suspended",
+        "a bridge that is not run reports it when it runs again: each device stops by its own watchdog",
+        watched=True,
+    ),
+    Reason(
         "load_lifted",
         "a motor whose load is off the floor turns as commanded: only cameras detect it, and only when the"
         " base deviates from its motors' odometry by more than `base slips` allows",

@@ -112,6 +112,7 @@ FAILING: Final[dict[str, Failing]] = {
     ),
     "serial_unplugged": Failing(FaultProfile.HONEST, longest_s=3.0),
     "bridge_ends": Failing(FaultProfile.HONEST, _ends, longest_s=8.0),
+    "bridge_suspended": Failing(FaultProfile.HONEST, longest_s=5.0),
     "second_bridge": Failing(FaultProfile.HONEST, longest_s=5.0, disables_power=False),
     "second_station": Failing(FaultProfile.HONEST, _joins, longest_s=14.0, disables_power=False),
     "board_silent": Failing(FaultProfile.HONEST, longest_s=5.0),

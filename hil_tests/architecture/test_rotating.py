@@ -51,8 +51,8 @@ def test_pytest_runs_a_share_and_no_more(tmp_path: Path) -> None:
     counts = []
     for share in ("1/3", "2/3", "3/3"):
         # Below its own root a test has the same name in every run, and so the same share.
-        words = ("-m", "pytest", "-q", "-p", "hil_tests.lanes", "--share", share, f"--rootdir={tmp_path}")
-        words += (str(tmp_path),)
+        words = ["-m", "pytest", "-q", "-p", "hil_tests.lanes", "--share", share]
+        words += [f"--rootdir={tmp_path}", str(tmp_path)]
         ended = subprocess.run([sys.executable, *words], cwd=ROOT, capture_output=True, text=True, check=True)
         (count,) = re.findall(r"(\d+) passed", ended.stdout)
         counts.append(int(count))

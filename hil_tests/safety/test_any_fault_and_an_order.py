@@ -18,8 +18,8 @@ from hil_tests.rows import every
 from hil_tests.safety.driving import ARM, ORDERS, driving, runs, speed
 
 OTHERS: Final = {
-    "bridge_ends", "second_bridge", "second_station", "datagram_loss", "datagram_late", "datagram_doubled",
-    "nmt_foreign_node", "stray_frames",
+    "bridge_ends", "bridge_suspended", "second_bridge", "second_station", "datagram_loss", "datagram_late",
+    "datagram_doubled", "nmt_foreign_node", "stray_frames",
 }  # fmt: skip
 """Faults that are not the robot's: they end the bridge, or send in the operator's name."""
 KINDS: Final = sorted(FAILING.keys() - OTHERS)

@@ -89,6 +89,34 @@ def test_a_run_across_a_bridge_that_was_started_again_goes_on_as_it_went(rides: 
         assert one.rig.world.trace_sha256 == went
 
 
+@pytest.mark.long(keeps=["can"])
+@on_each_link
+def test_suspended_it_finds_its_drives_stopped_and_moves_none_of_them_on(rides: Ridden, link: str) -> None:
+    suspended = fault("bridge_suspended", ENDS_S, for_s=5.0)
+    one = rides(*DRIVING, *AGAIN, seconds=20, robot=ROBOTS[link], faults=[suspended])
+    one.runs_until(ENDS_S + 5.0)
+    assert ENDS_S + 0.2 < one.stands_from(ENDS_S, slower_than=0.01) < ENDS_S + 1.2
+    one.runs_until(ENDS_S + 5.5)
+    assert "bridge stalled" in one.held_between(ENDS_S + 5.0, ENDS_S + 5.2)
+    assert not one.now["armed"]
+    one.runs_until(AGAIN[1].at_s)
+    assert one.fastest(ENDS_S + 1.3, AGAIN[1].at_s) < 0.01
+    one.runs_until(15.5)
+    assert one.now["armed"]
+    assert one.now["speed_mps"] == pytest.approx(0.2, abs=0.02)
+
+
+def test_killed_as_it_runs_on_the_next_one_drives(rides: Ridden) -> None:
+    faults = [
+        fault("bridge_suspended", ENDS_S, for_s=0.5),
+        fault("bridge_ends", ENDS_S + 0.5, how="killed", for_s=0.5),
+    ]
+    one = rides(*DRIVING, *AGAIN, seconds=20, faults=faults)
+    one.runs_until(15.5)
+    assert one.now["armed"]
+    assert one.now["speed_mps"] == pytest.approx(0.2, abs=0.02)
+
+
 def test_a_second_bridge_disturbs_no_one(rides: Ridden) -> None:
     one = rides(*DRIVING, seconds=20, faults=[fault("second_bridge", 5.0, for_s=1.0)])
     one.runs_until(7.0)

@@ -1,4 +1,4 @@
-"""Actions of people: end the bridge, or its process dies; start a second one; join with a second station."""
+"""Actions of people: end, kill or suspend the bridge; start a second one; join with a second station."""
 
 from collections.abc import Iterator
 from typing import Annotated, ClassVar, Literal, Self
@@ -54,6 +54,29 @@ class BridgeEnds(Lasting):
     def _ask(self, site: Site) -> None:
         if site.world.now < self.end:
             site.world.stop(BRIDGE)
+
+
+class BridgeSuspended(Lasting):
+    """The bridge's process is not run: stopped by its shell, or its laptop's lid was closed."""
+
+    kind: ClassVar = "bridge_suspended"
+    among: ClassVar = Stations.NONE
+
+    def targets(self, robot: AnyRobot) -> frozenset[str]:
+        """Return the bridge alone."""
+        del robot
+        return frozenset({BRIDGE})
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Suspend it, unless it has ended."""
+        del chance
+        if site.world.here(BRIDGE):
+            site.world.suspend(BRIDGE)
+
+    def take_off(self, site: Site) -> None:
+        """Let it run on."""
+        if site.world.here(BRIDGE):
+            site.world.resume(BRIDGE)
 
 
 class SecondBridge(Lasting):

@@ -235,6 +235,14 @@ _LAST: Final = (
         _CONNECTION,
     ),
     FaultKind(
+        people.BridgeSuspended,
+        "The bridge's process is not run: it was stopped by its shell, or its machine sleeps. What is sent to"
+        " it waits, up to 256 packets; when the fault ends, it receives them all at once and goes on.",
+        "It misses the bridge's heartbeat, EMCY 0x8130, and stops by 0x6007; a board stops by its watchdog."
+        " The bridge trips `bridge stalled`, and disarms.",
+        _CONNECTION,
+    ),
+    FaultKind(
         people.SecondBridge,
         "A second bridge is started on the same bus, and ended by Ctrl-C when the fault ends.",
         "No device: the second bridge receives the first one, reports it and sends nothing.",

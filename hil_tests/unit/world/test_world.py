@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 
 from emulators.wires import CanWire, DatagramWire
-from emulators.world import World, WorldError
+from emulators.world import MOST_KEPT, World, WorldError
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from hil_tests.lanes import examples
@@ -235,3 +235,41 @@ def reported(story: Story, *stops: Nanoseconds) -> tuple[str, list[list[tuple[Na
 @given(stories, st.lists(st.integers(0, 20 * MILLISECOND), max_size=5))
 def test_two_runs_are_one_run_however_often_they_are_halted(story: Story, stops: list[Nanoseconds]) -> None:
     assert reported(story) == reported(story, *stops)
+
+
+def datagram(number: int) -> Packet:
+    return Packet("operator", 0, number.to_bytes(2, "big"))
+
+
+def test_what_comes_to_a_node_that_does_not_run_waits_for_it_and_then_it_is_woken() -> None:
+    world, link = World(), DatagramWire()
+    sleeper = Player((20, datagram(1)), (60, datagram(2)))
+    caller = Player((30, datagram(3)), (40, datagram(4)), (70, datagram(5)))
+    world.attach("sleeper", sleeper, {"operator": link})
+    world.attach("caller", caller, {"operator": link})
+    world.run(10)
+    world.suspend("sleeper")
+    world.run(50)
+    before = world.snapshot()
+    assert (sleeper.received, sleeper.woken, caller.received) == ([], [0], [])
+    world.resume("sleeper")
+    world.run(90)
+    went = world.trace_sha256
+    assert sleeper.received == [(50, datagram(3)), (50, datagram(4)), (70, datagram(5))]
+    assert sleeper.woken == [0, 50, 60]
+    assert caller.received == [(50, datagram(1)), (60, datagram(2))]
+    world.restore(before)
+    world.resume("sleeper")
+    world.run(90)
+    assert world.trace_sha256 == went
+
+
+def test_as_much_waits_for_a_node_that_does_not_run_as_a_socket_holds() -> None:
+    world, link, sleeper = World(), DatagramWire(), Player()
+    world.attach("sleeper", sleeper, {"operator": link})
+    world.attach("caller", Player(*((10, datagram(number)) for number in range(300))), {"operator": link})
+    world.suspend("sleeper")
+    world.run(20)
+    world.resume("sleeper")
+    world.run(30)
+    assert [packet for _, packet in sleeper.received] == [datagram(number) for number in range(MOST_KEPT)]
