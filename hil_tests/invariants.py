@@ -42,31 +42,38 @@ def _periodic(packet: Packet) -> bool:
 class Watch:
     """One bridge, as it was at the last look."""
 
-    __slots__ = ("activating", "commanded", "links_due", "motion", "stop_by")
+    __slots__ = ("commanded", "followed", "giving", "links_due", "motion", "phase", "stop_by")
 
     def __init__(self) -> None:
         self.motion = Motion.DISARMED
-        self.activating = frozenset[str]()
+        self.phase = Life.STARTING
+        self.giving = frozenset[str]()
+        """The axes that are being given power."""
+        self.followed: tuple[Any, Any] = (None, None)
+        """The commanded and the allowed motion that were held against each other."""
         self.stop_by: Nanoseconds | None = None
         self.links_due = frozenset[str]()
         self.commanded: dict[str, float] = {}
 
     def look(self, bridge: Any, reaction: Reaction, now: Nanoseconds, *, operator: bool) -> None:
         """Hold the rules; AssertionError."""
-        permission, drivers = bridge._permission, bridge._all_drivers  # noqa: SLF001 - it looks inside
-        motion, before = permission.motion, self.motion
-        why = forbidden(bridge.phase, motion)
-        assert why is None, f"{bridge.phase.value} and {motion.value}: {why}"
-        assert motion is before or motion is not Motion.ARMED or operator, "armed without a request"
-        activating = frozenset(one.axis.name for one in drivers.drivers if one.state in GIVES_POWER)
-        given, self.activating = activating - self.activating, activating
-        held = permission.power_down.held
-        if permission.forbids_power and bridge.phase is Life.RUNNING and not held:
-            assert not given, f"{motion.value}, and power is given to {', '.join(sorted(given))}"
-        if bridge.phase is Life.RUNNING:
+        permission = bridge._permission  # noqa: SLF001 - it looks inside
+        motion, before, phase = permission.motion, self.motion, bridge.phase
+        if motion is not before or phase is not self.phase:
+            why = forbidden(phase, motion)
+            assert why is None, f"{phase.value} and {motion.value}: {why}"
+            assert motion is before or motion is not Motion.ARMED or operator, "armed without a request"
+        drivers = bridge._all_drivers.drivers  # noqa: SLF001 - as above
+        giving = frozenset([one.axis.name for one in drivers if one.state in GIVES_POWER])
+        if not giving <= self.giving and phase is Life.RUNNING and permission.forbids_power:
+            given = ", ".join(sorted(giving - self.giving))
+            assert permission.power_down.held, f"{motion.value}, and power is given to {given}"
+        if phase is Life.RUNNING:
             self.follow(bridge)
-        self._stops(bridge, reaction, now, begins=motion in STOPS and before not in STOPS)
-        self.motion = motion
+        begins = motion in STOPS and before not in STOPS
+        if begins or self.stop_by is not None:
+            self._stops(bridge, reaction, now, begins=begins)
+        self.motion, self.phase, self.giving = motion, phase, giving
 
     def _stops(self, bridge: Any, reaction: Reaction, now: Nanoseconds, *, begins: bool) -> None:
         lost = bridge._all_drivers.links_lost  # noqa: SLF001 - as above
@@ -89,18 +96,23 @@ class Watch:
     def follow(self, bridge: Any) -> None:
         """Hold what the pipeline has commanded against what was allowed."""
         pipeline = bridge._pipeline  # noqa: SLF001 - as above
+        # Once in a cycle; every other packet changes neither.
+        commanded, allowed = pipeline._commanded, pipeline._allowed  # noqa: SLF001 - as above
+        if self.followed[0] is commanded and self.followed[1] is allowed:
+            return
+        self.followed = (commanded, allowed)
         for title, number in pipeline._permission.rules.numbers.items():  # noqa: SLF001 - as above
             if not RATE.search(title):
                 continue  # the command of an axis at rest is the place where it stands
-            commanded, allowed = number(pipeline._commanded), number(pipeline._allowed)  # noqa: SLF001
-            if commanded is None or allowed is None or not math.isfinite(commanded):
+            speed, limit = number(commanded), number(allowed)
+            if speed is None or limit is None or not math.isfinite(speed):
                 continue
-            before = self.commanded.get(title, commanded)
-            most = max(abs(before), abs(allowed))
-            assert abs(commanded) <= most + ROUNDING * max(1.0, most), (
-                f"{title}: {commanded:g} is commanded, {before:g} before, {allowed:g} allowed"
+            before = self.commanded.get(title, speed)
+            most = max(abs(before), abs(limit))
+            assert abs(speed) <= most + ROUNDING * max(1.0, most), (
+                f"{title}: {speed:g} is commanded, {before:g} before, {limit:g} allowed"
             )
-            self.commanded[title] = commanded
+            self.commanded[title] = speed
 
 
 def _watch(bridge: Any) -> Watch:

@@ -12,7 +12,7 @@ from typing import Final
 
 from firmware_bridge.bridge.all_drivers import AllDrivers
 from firmware_bridge.bridge.confirmed_at_start import ConfirmedAtStart
-from firmware_bridge.bridge.joint_state import Event, Life
+from firmware_bridge.bridge.joint_state import Event, Life, Motion
 from firmware_bridge.bridge.orders import ALREADY_OFF, order_of
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.pipeline import Pipeline
@@ -114,6 +114,11 @@ class Bridge:
     def finished(self) -> bool:
         """True where the orderly end is over and the carrier may drop the node."""
         return self.phase is Life.FINISHED
+
+    @property
+    def motion(self) -> Motion:
+        """State of the motion permission."""
+        return self._permission.motion
 
     @property
     def holding(self) -> bool:

@@ -9,8 +9,11 @@ import argparse
 import sys
 from pathlib import Path
 
+import numpy as np
+
 from emulators.bench.bench_setup import bench_setup_of
 from firmware_bridge.robot import RobotFileError
+from hil_tests.adversary.draw import Draw
 from hil_tests.adversary.failing import FaultProfile
 from hil_tests.adversary.robots import line_of, options, robot_of
 from hil_tests.adversary.search import Search, as_toml
@@ -44,7 +47,11 @@ def main() -> int:
             path.write_text(as_toml(found, line), encoding="utf-8")
             print(f"seed {seed}: {found}; {path}")
         seed += 1
-    print(f"{driven / 3600.0:.2f} simulated hours, seeds {reported.seed} to {seed - 1}, {count} found")
+    drawn = Draw(robot, bench_setup_of(robot), np.random.default_rng(0), profiles).kinds
+    met = search.coverage
+    print(f"no fault was on in: {'; '.join(met.never) or 'no joint state left'}")
+    seeds = f"seeds {reported.seed} to {seed - 1}"
+    print(f"{driven / 3600.0:.2f} simulated hours, {seeds}, {met.share(drawn)}, {count} found")
     return int(count > 0)
 
 

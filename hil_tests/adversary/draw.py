@@ -81,6 +81,11 @@ class Draw:
         self._full: Final = {channel.name: channel.full(robot) for channel in bench_setup.channels}
         self._slow: Final = self._full[self._held_by[self._main].channel] * PAUSE_S < SLOW_M
 
+    @property
+    def kinds(self) -> frozenset[str]:
+        """The kinds of faults that it draws."""
+        return frozenset(name for names in self._kinds for name in names)
+
     def mission(self, seconds: float) -> Mission:
         """Return the mission of a random run that begins with an armed robot."""
         floor = self._floor()

@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -20,6 +20,7 @@ from emulators.rig import Rig
 from emulators.run import HAND_STREAM
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
+from hil_tests.adversary.coverage import Coverage
 from hil_tests.adversary.draw import READY_S, Draw
 from hil_tests.adversary.failing import FAILING, FaultProfile, disables_power
 from hil_tests.adversary.truth import Invariant, Judge, Truth, Violation
@@ -74,8 +75,11 @@ class Life:
         mission: Mission,
         seed: int,
         rows: tuple[Invariant, ...],
+        *,
+        coverage: Coverage | None = None,
     ) -> None:
         self.mission = mission
+        self._coverage: Final = Coverage() if coverage is None else coverage
         robot = mission.on(robot)
         hand = np.random.default_rng([seed, HAND_STREAM])
         self._operator: Final = ScriptedOperator(robot, bench_setup, mission, hand)
@@ -94,6 +98,7 @@ class Life:
                 self.rig.run(begun + step)
             except Exception as error:  # noqa: BLE001 - on a robot the bridge would be dead
                 return Violation(f"{type(error).__name__}: {error}", begun, math.inf)
+            self._coverage.look(self.rig, begun)
             if self.rig.world.now < from_seconds(READY_S):
                 continue
             words = self._accepted()
@@ -161,6 +166,7 @@ class Search:
     say: Callable[[str], None] = lambda _: None
     seen: Callable[[Rig], None] = lambda _: None
     """Callback with the rig when a run has been driven to its end, before its branches."""
+    coverage: Coverage = field(default_factory=Coverage)
 
     def random_run(self, seed: int) -> tuple[Found | None, float]:
         """Drive one random run and its branches; return the finding, shrunk, and the seconds driven."""
@@ -172,7 +178,7 @@ class Search:
         chance = np.random.default_rng([seed, 7])
         draw = Draw(self.robot, self.bench_setup, chance, self.natures)
         whole = draw.mission(RUN_S)
-        life = Life(self.robot, self.bench_setup, whole, seed, self.rows)
+        life = Life(self.robot, self.bench_setup, whole, seed, self.rows, coverage=self.coverage)
         try:
             return self._lived(life, draw, chance, seed)
         finally:
@@ -208,7 +214,7 @@ class Search:
 
     def breaks(self, mission: Mission, seed: int) -> Violation | None:
         """Drive a mission from its beginning; return the first rule that it breaks."""
-        life = Life(self.robot, self.bench_setup, mission, seed, self.rows)
+        life = Life(self.robot, self.bench_setup, mission, seed, self.rows, coverage=self.coverage)
         try:
             return life.run(from_seconds(mission.duration_s + BRANCH_S))
         finally:

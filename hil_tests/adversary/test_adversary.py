@@ -33,6 +33,7 @@ ROBOTS: Final = {
     "rome_arm": 2,
     "climber": 5,
     "climber+cameras": 2,
+    "servo_axis": 7,
 }
 """Arguments of `bench`, with the number of random runs of each.
 
