@@ -46,6 +46,7 @@ def test_each_fault_is_counted_with_the_joint_states_in_which_it_was_on() -> Non
         (Life.RUNNING, Motion.STOPPED, "datagram_late"),
         (Life.RUNNING, Motion.STOPPED, "drive_restart"),
     }
-    assert met.share(frozenset({"datagram_late", "drive_restart"})).startswith(f"3 of {2 * len(JOINT_STATES)} ")
+    share = met.share(frozenset({"datagram_late", "drive_restart"}))
+    assert share.startswith(f"3 of {2 * len(JOINT_STATES)} ")
     assert "running: armed" not in met.never
     assert "running: terminated" in met.never
