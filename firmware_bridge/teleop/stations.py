@@ -176,11 +176,11 @@ class Station:
 class Stations:
     """All stations, and control of the robot; no station has it at first."""
 
-    __slots__ = ("_signed", "in_control", "of", "yields")
+    __slots__ = ("_by_key", "in_control", "of", "yields")
 
     def __init__(self, *, signed: bool) -> None:
         """Begin with none; `signed`: signatures are checked, so that their stamps are the stations'."""
-        self._signed: Final = signed
+        self._by_key: Final = signed
         self.of: Final[dict[Sender, Station]] = {}
         self.in_control: Station | None = None
         self.yields = False
@@ -215,7 +215,7 @@ class Stations:
         """Let a station drive."""
         if station is not self.in_control:
             # Of another station's link nothing is known yet.
-            station.clocks, station.quality = Ages(signed=self._signed), Quality()
+            station.clocks, station.quality = Ages(signed=self._by_key), Quality()
         self.in_control, self.yields = station, yields
 
     def give_up(self) -> None:

@@ -45,3 +45,20 @@ def test_no_function_changes_a_variable_of_the_one_around_it() -> None:
 def test_no_protocol_among_them_is_requested_at_run_time() -> None:
     """mypyc makes no class of Python's own of a protocol, and `runtime_checkable` wants one."""
     assert not [str(file) for file in COMPILED if "runtime_checkable" in file.read_text()]
+
+
+KEYWORDS = frozenset(
+    {"alignof", "asm", "complex", "const", "imag", "inline", "real", "restrict", "signed", "thread", "volatile"}
+)
+"""Words that GNU C also knows with two underscores before them."""
+
+
+def test_no_attribute_is_a_keyword_of_c() -> None:
+    """mypyc puts an underscore before a name: `_signed` would be `__signed`, a keyword of GNU C."""
+    guilty = {
+        f"{file.relative_to(ROOT)}:{node.lineno}: {node.attr}"
+        for file in COMPILED
+        for node in ast.walk(ast.parse(file.read_text()))
+        if isinstance(node, ast.Attribute) and node.attr.startswith("_") and node.attr[1:] in KEYWORDS
+    }
+    assert not guilty
