@@ -48,7 +48,7 @@ def test_no_protocol_among_them_is_requested_at_run_time() -> None:
 
 
 KEYWORDS = frozenset(
-    {"alignof", "asm", "complex", "const", "imag", "inline", "real", "restrict", "signed", "thread", "volatile"}
+    ("alignof", "asm", "complex", "const", "imag", "inline", "real", "restrict", "signed", "thread")
 )
 """Words that GNU C also knows with two underscores before them."""
 
