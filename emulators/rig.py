@@ -165,6 +165,20 @@ class Rig:
         alone = {name: DatagramWire(name=f"second {name}") for name in (*self.datagram_wires, OPERATOR)}
         self.world.attach(SECOND_BRIDGE, second, {**self.can_wires, **alone})
 
+    def end(self, name: str) -> None:
+        """Request a bridge to end in good order."""
+        self.world.stop(name)
+
+    def suspend(self, name: str) -> None:
+        """Let a bridge not run, if it has not ended."""
+        if self.world.here(name):
+            self.world.suspend(name)
+
+    def resume(self, name: str) -> None:
+        """Let it run again."""
+        if self.world.here(name):
+            self.world.resume(name)
+
     def _start_bridge(self, confirmed: tuple[ConfirmPosition, ...] = ()) -> None:
         self.bridge = Bridge(self.robot, robot_type_of(self.robot), confirmed=confirmed)
         self.guard = guarded(self.bridge, self.robot)

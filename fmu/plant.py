@@ -166,6 +166,23 @@ class FmuPlant:
         except Exception as error:
             raise PlantError(self._reason(f"'{name}' cannot be read", error)) from error
 
+    @property
+    def tunable(self) -> tuple[str, ...]:
+        """The parameters that may be changed while it runs."""
+        return self._references.tunable()
+
+    def change(self, name: str, value: float) -> None:
+        """Set a tunable parameter from the next step on; PlantError for any other, or for a refused value."""
+        reference, kind = self._references.any(name)
+        self._open()
+        if name not in self.tunable:
+            known = ", ".join(self.tunable) or "none"
+            raise PlantError(f"{self.path}: '{name}' cannot be changed while it runs; tunable are: {known}")
+        try:
+            getattr(self._fmu, f"set{kind}")([reference], [value])
+        except Exception as error:
+            raise PlantError(self._reason(f"'{name}' cannot be set to {value:g}", error)) from error
+
     def save_state(self) -> PlantState:
         """Keep everything that a run changes; PlantError where the FMU cannot copy its state."""
         self._open()

@@ -59,6 +59,15 @@ class References:
         variable = self._variable(name, "variable")
         return int(variable.valueReference), str(variable.type)
 
+    def tunable(self) -> tuple[str, ...]:
+        """Return the real parameters that a master may change while it steps (FMI: variability tunable)."""
+        return tuple(
+            name
+            for name, variable in self._variables.items()
+            if variable.type in _REAL
+            and (variable.causality, variable.variability) == ("parameter", "tunable")
+        )
+
     def settable(self, names: Iterable[str]) -> list[int]:
         """Return the value references of parameters, or of variables with a start value."""
         found = []

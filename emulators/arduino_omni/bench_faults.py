@@ -167,7 +167,7 @@ class BoardChatters(_OfBoards, Lasting):
 
     def _print(self, site: Site) -> None:
         now = site.world.now
-        if now < self.end:
+        if site.lasts(self, self.end):
             for name in self.on(site.robot):
                 _board(site, name).mega.print(PRINTED, now)
                 # The board has bytes to send now, and no packet would wake it.
@@ -215,7 +215,7 @@ class LineGarbage(_OfBoards, Lasting):
 
     def _disturb(self, sites: tuple[Site, Generator]) -> None:
         site, chance = sites
-        if site.world.now < self.end:
+        if site.lasts(self, self.end):
             for name in self.on(site.robot):
                 site.disturb(name, chance.bytes(BURST))
             site.world.call_at(site.world.now + self.every_ms * MILLISECOND, self._disturb, sites)

@@ -68,6 +68,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "List the faults of missions and tests; for a robot those that are possible on it, and where.",
     ),
     CliCommand(
+        "inject",
+        "emulators.cli.inject:inject",
+        "Inject a fault into emulated devices that run now; set inputs, restart, shut down.",
+    ),
+    CliCommand(
         "doctor",
         "emulators.cli.doctor:doctor",
         "Check this machine: available, missing and critical items, and how to fix them.",

@@ -20,6 +20,7 @@ def emulate_lines(machine: "AnyRobot", given: "RobotOptions") -> Emulation:
     """Make a robot's devices above its plant; one message for what cannot be."""
     from emulators.cli.beginning import report_beginning
     from emulators.cli.beside import beside_of
+    from emulators.control.live_site import Live
     from emulators.devices import devices
     from emulators.family import Way, family_of
     from emulators.gateway import Cluster
@@ -40,11 +41,11 @@ def emulate_lines(machine: "AnyRobot", given: "RobotOptions") -> Emulation:
     links = {name: SERIAL if alone else name for name in own}
     for name, one in own.items():
         family_of(machine, name).reports_to_console(one.node, name)
-    node: Node = next(iter(own.values())).node
-    if cameras.members or not alone:
-        members: dict[str, Node] = {**{name: one.node for name, one in own.items()}, **cameras.members}
-        lines = {name: {SERIAL: link} for name, link in links.items()}
-        node = Cluster(members, emulated.physics, links={**lines, **cameras.links})
+    members: dict[str, Node] = {**{name: one.node for name, one in own.items()}, **cameras.members}
+    lines = {name: {SERIAL: link} for name, link in links.items()}
+    # A board alone moves its plant itself, when it is called.
+    physics = emulated.physics if cameras.members or not alone else None
+    cluster = Cluster(members, physics, links={**lines, **cameras.links})
     files = {link: SERIAL_LOG if alone else f"{name}-{SERIAL_LOG}" for name, link in links.items()}
     kinds = kinds_of(machine)
     called = {link: device_side(name, kinds[name]) for name, link in links.items()}
@@ -57,12 +58,13 @@ def emulate_lines(machine: "AnyRobot", given: "RobotOptions") -> Emulation:
         return {**lines, **cameras.openers}, ", ".join((*at_lines, *cameras.where))
 
     return Emulation(
-        node=node,
+        node=cluster,
         opened=opened,
         text=lambda where: f"{machine.name} is on {where}: {spoken_there}",
         errors=(PlantError, ServoError),
         files=files,
         called=called,
+        live=lambda: Live(machine, emulated, cluster, emulated.plant),
     )
 
 

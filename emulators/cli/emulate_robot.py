@@ -7,7 +7,7 @@ import typer
 
 from emulators.cli import emulation
 from emulators.cli.emulation import Emulation, emulating
-from emulators.cli.options import LatencyOption, ParametersOption, PlantOption
+from emulators.cli.options import ControlOption, LatencyOption, ParametersOption, PlantOption
 from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.cli.options import (
     DurationOption,
@@ -75,6 +75,7 @@ class RobotOptions(Outside):
     realistic_latency: LatencyOption = False
     link: LinkOption = None
     record: RecordOption = None
+    control: ControlOption = "unix"
     duration: DurationOption = None
 
 

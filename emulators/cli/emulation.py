@@ -2,19 +2,22 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, Final, Protocol, TypeVar
 
 from typer.core import TyperCommand
 
 from firmware_bridge.cli.commands import command
-from firmware_bridge.cli.console import one_message, say
+from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.recorded import recording
 from firmware_bridge.node import Node
 
 if TYPE_CHECKING:
+    from emulators.control.live_site import Live
     from firmware_bridge.cli.links import Openers
 
+UNIX: Final = "unix"
+NONE: Final = "none"
 Options = TypeVar("Options", bound="RunOptions")
 
 
@@ -50,6 +53,8 @@ class Emulation:
     """Put what is not recorded around the recorded node."""
     ended: Callable[[], str] | None = None
     """Describe what is left at the end; None for nothing."""
+    live: "Callable[[], Live] | None" = None
+    """Return its parts, for the control port; None where it has none."""
 
 
 def run(given: RunOptions, emulation: Emulation) -> None:
@@ -58,11 +63,14 @@ def run(given: RunOptions, emulation: Emulation) -> None:
     from firmware_bridge.runtime.clock import LivedClock
     from firmware_bridge.runtime.ports import PortError
 
-    with recording(getattr(given, "record", None), emulation.files, called=emulation.called) as (around, _):
+    box = recording(getattr(given, "record", None), emulation.files, called=emulation.called)
+    with box as (around, report):
         with one_message(PortError):
             openers, where = emulation.opened()
+        node = emulation.around(around(emulation.node))
+        node, openers = _controlled(node, openers, emulation.live, getattr(given, "control", NONE), report)
         carry(
-            emulation.around(around(emulation.node)),
+            node,
             openers,
             until(given.duration),
             emulation.text(where),
@@ -71,6 +79,34 @@ def run(given: RunOptions, emulation: Emulation) -> None:
         )
     if emulation.ended is not None:
         say(emulation.ended())
+
+
+def _controlled(
+    node: Node,
+    openers: "Openers",
+    parts: "Callable[[], Live] | None",
+    where: str,
+    report: Callable[[str], None],
+) -> "tuple[Node, Openers]":
+    """Put the control desk around a node, and its port beside the others."""
+    if parts is None or where == NONE:
+        return node, openers
+    from emulators.control.desk import CONTROL, Desk
+    from firmware_bridge.runtime.ports import PortError
+    from firmware_bridge.runtime.ports.control_socket import ControlSocket
+
+    live = parts()
+    try:
+        port = ControlSocket(where, live.robot.name)
+    except PortError as error:
+        if where != UNIX:
+            raise refusal(str(error)) from None
+        # Devices run without it, as on a machine without a folder for it.
+        say(f"without a control port: {error}", err=True)
+        return node, openers
+    if port.token:
+        say(f"control port {port.name}, token {port.token}")
+    return Desk(node, live, report), {**openers, CONTROL: lambda: port}
 
 
 def emulating(options: type[Options], examples: str, start: Callable[[Options], Emulation]) -> TyperCommand:

@@ -33,6 +33,14 @@ ParametersOption = Annotated[
         show_default="they are forgotten at the end",
     ),
 ]
+ControlOption = Annotated[
+    str,
+    typer.Option(
+        metavar="WHERE",
+        help="Port for `inject`: unix, a socket of this user in the runtime folder; tcp or tcp:PORT on "
+        "loopback, with a token; or none.",
+    ),
+]
 LatencyOption = Annotated[
     bool,
     typer.Option(

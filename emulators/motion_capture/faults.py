@@ -75,6 +75,7 @@ class CaptureLate(_Seen):
     """Frames of the capture system come late."""
 
     kind: ClassVar = "capture_late"
+    bench_only: ClassVar = "datagrams are the real network's: tc-netem impairs it"
     by_ms: Annotated[Positive, Field(description="delay beyond the network's own, in ms")]
     share: Share = 1.0
 
@@ -89,6 +90,7 @@ class CaptureLoss(_Seen):
     """Frames of the capture system are lost."""
 
     kind: ClassVar = "capture_loss"
+    bench_only: ClassVar = "datagrams are the real network's: tc-netem impairs it"
     share: Share = 1.0
 
     def put_on(self, site: Site, chance: Generator) -> None:

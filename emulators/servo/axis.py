@@ -111,6 +111,7 @@ class ServoAxis(ServoRecord, ctypes.Structure):
         self.recorder: Final = Recorder()
         self.encoder_resolution = encoder_resolution
         self.supply_mv = supply_mv
+        self._own_supply_mv: Final = supply_mv
         self.source_mv = 0
         self.analogue_1_mv = 0
         self.analogue_2_mv = 0
@@ -132,6 +133,13 @@ class ServoAxis(ServoRecord, ctypes.Structure):
         self.pins = self.outputs = 0
         self.now: Nanoseconds = 0
         self.restart()
+
+    def force_supply(self, millivolts: int) -> None:
+        """Put another voltage on the drive's supply; 0 gives it back."""
+        self.forced_supply_mv = millivolts
+        if not self.source_mv:
+            # No plant has this supply: no one else writes it.
+            self.supply_mv = millivolts or self._own_supply_mv
 
     def _undisturbed(self) -> None:
         """Begin in surroundings in which nothing is wrong."""

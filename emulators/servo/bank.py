@@ -60,6 +60,7 @@ class ServoBank:
         is missing, or where the plant gives no angle.
         """
         self.axes: Final = tuple(axes)
+        self.plant: Final = plant
         count = len(self.axes)
         scales = [axis.encoder_resolution / tau for axis in axes]
         dividers = [

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from emulators.family import Trait, families, family_of
 from emulators.testing.answering import BoardCall, LineCall, RollCall
@@ -12,6 +12,7 @@ from emulators.testing.errors import RigError
 from emulators.testing.process import Process
 from firmware_bridge.robot.problems import near
 from firmware_bridge.robot_types import find
+from firmware_bridge.testing.control import Control, of_process
 
 READY_WITHIN_S: Final = 60.0
 """Time for a device to be there, on a machine that has much to do."""
@@ -52,10 +53,39 @@ class Drives:
 
     def lose_power(self, nodes: str) -> None:
         """Take the power from drives that were started by this name; they say nothing any more."""
+        self._named(nodes).kill()
+
+    def fault(self, kind: str, *, nodes: str = "", for_s: float | None = None, **keys: Any) -> int:
+        """Let a fault begin now, by its name and keys in missions; return its number, for `clear`.
+
+        `nodes` are the drives as they were started, where there are several programs. ControlError for a
+        fault that is not possible.
+        """
+        with self._control(nodes) as control:
+            return control.inject(kind, for_s=for_s, **keys)
+
+    def clear(self, number: int | None = None, *, nodes: str = "") -> None:
+        """End a fault that is on, or all. They end with the test in any case: their program does."""
+        with self._control(nodes) as control:
+            control.clear(number)
+
+    def input(self, axis: str, name: str, value: float, *, nodes: str = "") -> None:
+        """Set an input of an axis: `drives.input("motor1", "input4", 1)`; ControlError."""
+        with self._control(nodes) as control:
+            control.set({f"{axis}.{name}": value})
+
+    def _control(self, nodes: str) -> Control:
+        if not nodes and len(self._programs) != 1:
+            raise RigError(
+                f"which drives? nodes= names them; started were: {', '.join(self._programs) or 'none'}"
+            )
+        return of_process(self._named(nodes or next(iter(self._programs))).pid)
+
+    def _named(self, nodes: str) -> Process:
         if nodes not in self._programs:
             known = ", ".join(self._programs) or "none yet"
             raise RigError(f"no drives '{nodes}' were started; those that were: {known}")
-        self._programs[nodes].kill()
+        return self._programs[nodes]
 
     def _on_a_line(self, nodes: str, words: Sequence[str], family: str) -> str:
         presence = families()[family].presence
@@ -90,19 +120,43 @@ class Drives:
         return self._programs[nodes]
 
 
-def board(start: Start, folder: Path, what: str, more: Sequence[str], protocol: str | None) -> str:
-    """Put an Arduino with what it drives on a serial line, wait until it answers, and return the line's path.
+class Boards:
+    """Emulated Arduinos, each with what it drives, on serial lines."""
 
-    `what` is a firmware of `firmware-bridge emulate board`, or a robot with one board; `more` are further
-    words of the command that emulates it. RigError for what is neither.
-    """
-    words, spoken = _command(what, protocol)
-    port = folder / f"{Path(what).stem}.tty"
-    program = start(("emulate", *words, "--serial", "pty", "--serial-link", str(port), *more))
-    program.prints(GREETING, READY_WITHIN_S)
-    with BoardCall(str(port), spoken) as call:
-        program.waits(call.complete, f"answering in {spoken}", READY_WITHIN_S)
-    return str(port)
+    def __init__(self, start: Start, folder: Path) -> None:
+        self._start: Final = start
+        self._folder: Final = folder
+        self._newest: Process | None = None
+
+    def __call__(self, what: str, *more: str, protocol: str | None = None) -> str:
+        """Put one on a line, wait until it answers, and return the line's path.
+
+        `what` is a firmware of `firmware-bridge emulate board`, or a robot with one board; `more` are further
+        words of the command that emulates it. RigError for what is neither.
+        """
+        words, spoken = _command(what, protocol)
+        port = self._folder / f"{Path(what).stem}.tty"
+        program = self._start(("emulate", *words, "--serial", "pty", "--serial-link", str(port), *more))
+        program.prints(GREETING, READY_WITHIN_S)
+        with BoardCall(str(port), spoken) as call:
+            program.waits(call.complete, f"answering in {spoken}", READY_WITHIN_S)
+        self._newest = program
+        return str(port)
+
+    def fault(self, kind: str, *, for_s: float | None = None, **keys: Any) -> int:
+        """Let a fault of the newest board begin now; return its number, for `clear`. ControlError."""
+        with self._control() as control:
+            return control.inject(kind, for_s=for_s, **keys)
+
+    def clear(self, number: int | None = None) -> None:
+        """End a fault that is on, or all. They end with the test in any case: their program does."""
+        with self._control() as control:
+            control.clear(number)
+
+    def _control(self) -> Control:
+        if self._newest is None:
+            raise RigError("no board was started: board(...) puts one on a line")
+        return of_process(self._newest.pid)
 
 
 def _firmwares() -> list[str]:

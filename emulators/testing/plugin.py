@@ -19,7 +19,7 @@ from emulators.testing.errors import RigError
 
 if TYPE_CHECKING:
     from emulators.testing.buses import Bus
-    from emulators.testing.emulated import Drives
+    from emulators.testing.emulated import Boards, Drives
     from emulators.testing.kept import Kept
     from emulators.testing.page import CaseOutcome
     from emulators.testing.plant import VirtualPlant
@@ -308,16 +308,12 @@ def drives(
 @pytest.fixture
 def board(
     under_test: Callable[[Sequence[str]], "Process"], tmp_path: Path, pytestconfig: pytest.Config
-) -> Callable[..., str]:
+) -> "Boards":
     """Return what puts an emulated Arduino on a serial line: a robot's, a firmware's, or the arm's."""
-    from emulators.testing import emulated  # noqa: PLC0415 - for tests that use it alone
+    from emulators.testing.emulated import Boards  # noqa: PLC0415 - for tests that use it alone
 
     _virtual_only(pytestconfig, "a board")
-
-    def emulate(what: str, *more: str, protocol: str | None = None) -> str:
-        return emulated.board(lambda words: under_test((*PROGRAM, *words)), tmp_path, what, more, protocol)
-
-    return emulate
+    return Boards(lambda words: under_test((*PROGRAM, *words)), tmp_path)
 
 
 def _notes(item: pytest.Item, report: pytest.TestReport, name: str, value: str) -> None:

@@ -55,6 +55,19 @@ class RealDrives:
         """Skip the test."""
         raise SkipTest(f"no one here can disable the power of the real drives {nodes}")
 
+    def fault(self, kind: str, **keys: object) -> int:
+        """Skip the test."""
+        del keys
+        raise SkipTest(f"real drives get no fault from here: {kind}")
+
+    def clear(self, number: int | None = None, *, nodes: str = "") -> None:
+        """Do nothing: no fault was injected."""
+
+    def input(self, axis: str, name: str, value: float, *, nodes: str = "") -> None:
+        """Skip the test."""
+        del value, nodes
+        raise SkipTest(f"no one here can set {name} of the real drive {axis}")
+
     def finish(self) -> None:
         """Stop those that may have been commanded, and then switch their power off."""
         # All are stopped before the first one is waited for: a quick stop is one command.

@@ -41,10 +41,11 @@ class Disturbance:
 class Standing:
     """A disturbance at work, and how many frames it may still meet."""
 
-    __slots__ = ("left", "what")
+    __slots__ = ("left", "of", "what")
 
-    def __init__(self, what: Disturbance) -> None:
+    def __init__(self, what: Disturbance, of: object = None) -> None:
         self.what = what
+        self.of = of
         self.left = what.count
 
     def meets(self, sender: str, now: Nanoseconds) -> bool:

@@ -68,16 +68,20 @@ class FaultyCanWire(CanWire):
         self._thrown_off: dict[str, Nanoseconds] = {}
         """Stations on their way off the bus, and until when they are to stay away."""
 
-    def disturb(self, what: Disturbance) -> None:
+    def disturb(self, what: Disturbance, of: object = None) -> None:
         """Damage or lose frames from now on, as described; WorldError where a name was never on this wire.
 
-        A station that is off the wire meets it when it is back.
+        A station that is off the wire meets it when it is back. `of` is the cause, for `calm`.
         """
         for name in (what.sender, what.receiver):
             if name is not None and name not in self._known:
                 self._named(name)
-        self._standing.append(Standing(what))
+        self._standing.append(Standing(what, of))
         self._sound = False
+
+    def calm(self, of: object) -> None:
+        """End what was disturbed by this cause."""
+        self._standing = [one for one in self._standing if one.of is not of]
 
     def cut(self, beyond: Collection[str]) -> None:
         """Cut the cable: the stations of these names receive from each other only, and so do the others."""

@@ -167,7 +167,9 @@ def test_the_command_of_the_night_searches_with_all_its_options(
     ]
     monkeypatch.setattr("sys.argv", ["adversary", *words])
     assert main() == 0
-    assert "simulated hours, seeds 7 to 7, 0 found" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "simulated hours, seeds 7 to 7, 0 of " in printed
+    assert printed.endswith("joint states x fault kinds, 0 found\n")
 
 
 def test_a_robot_that_there_is_not_is_one_line_and_no_find(

@@ -209,7 +209,9 @@ SHOWN: Final = (
 
 ELSEWHERE: Final = {
     "drive_variation": "tests of the CiA 402 drives: another drive from its power-on, and no failure",
-    **dict.fromkeys(("second_bridge", "second_station", "stray_frames"), "a test of its own"),
+    **dict.fromkeys(
+        ("bridge_suspended", "second_bridge", "second_station", "stray_frames"), "a test of its own"
+    ),
     **dict.fromkeys(
         ("load_lifted", "board_chatters", "i2c_stuck", "shield_absent", "current_limit", "over_temperature"),
         "tests of the board and its wiring",

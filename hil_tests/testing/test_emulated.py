@@ -56,15 +56,17 @@ def test_two_tests_at_once_are_on_two_buses_and_one_that_is_given_back_is_taken_
             lambda _: buses.buses("can0"),
             "there is no bus 'can0'; use vcan, loopback_multicast or INTERFACE:CHANNEL",
         ),
-        (lambda folder: emulated.board(never, folder, "mw", (), "firmata"), "mw speaks one protocol"),
-        (lambda folder: emulated.board(never, folder, "ar2", (), "mw"), "ar2 speaks one protocol"),
-        (lambda folder: emulated.board(never, folder, "rars", (), None), "rars has not one board"),
-        (lambda folder: emulated.board(never, folder, "rome_arm", (), None), "rome_arm has not one board"),
+        (lambda folder: emulated.Boards(never, folder)("mw", protocol="firmata"), "mw speaks one protocol"),
+        (lambda folder: emulated.Boards(never, folder)("ar2", protocol="mw"), "ar2 speaks one protocol"),
+        (lambda folder: emulated.Boards(never, folder)("rars"), "rars has not one board"),
+        (lambda folder: emulated.Boards(never, folder)("rome_arm"), "rome_arm has not one board"),
         (
-            lambda folder: emulated.board(never, folder, "rome", (), "rs232"),
+            lambda folder: emulated.Boards(never, folder)("rome", protocol="rs232"),
             "no protocol 'rs232'; there are mw",
         ),
         (lambda folder: emulated.Drives(never, folder).lose_power("2"), "no drives '2' .*: none yet"),
+        (lambda folder: emulated.Drives(never, folder).fault("drive_restart"), "which drives?.*: none"),
+        (lambda folder: emulated.Boards(never, folder).fault("board_reset"), "no board was started"),
     ],
 )
 def test_what_cannot_be_is_stated_in_one_line(

@@ -192,7 +192,8 @@ def _faults() -> str:
     for kind, fields in faults.sections():
         parts.append(f"## `{kind.name}`")
         parts.append(f"{kind.happens}")
-        parts.append(f"* **Device**: {kind.does}\n* **Applies to**: {faults.target(kind)}.")
+        live = f"\n* **Not on a real bus**: {kind.bench_only}." if kind.bench_only else ""
+        parts.append(f"* **Device**: {kind.does}\n* **Applies to**: {faults.target(kind)}.{live}")
         if fields:
             parts.append(table(faults.HEADINGS, fields))
     return _page("Faults of a mission", *parts)

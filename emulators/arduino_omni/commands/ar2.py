@@ -8,6 +8,7 @@ import typer
 
 from emulators.arduino_omni.commands.line import LineOptions, checked, line_opened
 from emulators.cli.emulation import Emulation, emulating
+from emulators.cli.options import ControlOption
 from firmware_bridge.cli.console import refusal
 from firmware_bridge.cli.options import DurationOption
 from firmware_bridge.cli.recorded import RecordOption
@@ -17,6 +18,8 @@ from firmware_bridge.runtime.black_box import SERIAL_LOG
 
 if TYPE_CHECKING:
     from emulators.arduino_omni.ar2.board import Ar2Board
+    from emulators.control.live_site import Live
+    from emulators.gateway import Cluster
 
 
 AR2: Final = "ar2-2.0"
@@ -40,7 +43,12 @@ class Ar2Options(LineOptions):
 
     firmware: Annotated[str, typer.Option(help="Version of its sketch: 2.0 or 1.5.")] = "2.0"
     record: RecordOption = None
+    control: ControlOption = "unix"
     duration: DurationOption = None
+
+
+BOARD: Final = "board"
+"""Name of the board's link."""
 
 
 def start(given: Ar2Options) -> Emulation:
@@ -49,6 +57,7 @@ def start(given: Ar2Options) -> Emulation:
     from emulators.arduino_omni.ar2.firmwares import FIRMWARES
     from emulators.arduino_omni.commands.reported import keeping_reported
     from emulators.arduino_omni.mega.mega import SketchError
+    from emulators.gateway import Cluster
 
     checked(given)
     firmware = FIRMWARES.get(given.firmware)
@@ -57,15 +66,29 @@ def start(given: Ar2Options) -> Emulation:
     board = Ar2Board(firmware)
     keeping_reported(board.mega)
     called = {SERIAL: device_side("arm", AR2)}
+    cluster = Cluster({BOARD: board}, links={BOARD: {SERIAL: SERIAL}})
     return Emulation(
-        node=board,
+        node=cluster,
         opened=partial(line_opened, given, firmware.baud),
         text=lambda where: f"{firmware.title} on {where}: {_places(board)}",
         errors=(SketchError,),
         files={SERIAL: SERIAL_LOG},
         called=called,
         ended=lambda: f"the arm is at {_places(board)}; lost steps: {', '.join(map(str, board.joints.lost))}",
+        live=lambda: _live(board, cluster),
     )
+
+
+def _live(board: "Ar2Board", cluster: "Cluster") -> "Live":
+    from emulators.arduino_omni.ar2.axes import JOINTS
+    from emulators.arduino_omni.ar2.plant_joints import StepperMotor
+    from emulators.control.alone import alone, stand_in
+    from emulators.family import Station, Way
+
+    numbers = {axis.name: number for number, axis in enumerate(JOINTS, start=1)}
+    motors = [StepperMotor(name, board) for name in numbers]
+    station = Station(board, BOARD, {SERIAL: Way.LINE})
+    return alone(stand_in(("ar2", "joint"), "ar2", BOARD, numbers), {BOARD: station}, motors, cluster)
 
 
 def _places(board: "Ar2Board") -> str:

@@ -8,7 +8,7 @@ import typer
 
 from emulators.arduino_omni.commands.line import LineOptions, checked, line_opened
 from emulators.cli.emulation import Emulation, emulating
-from emulators.cli.options import plant_file
+from emulators.cli.options import ControlOption, plant_file
 from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.options import DurationOption
 from firmware_bridge.cli.recorded import RecordOption
@@ -17,9 +17,11 @@ from firmware_bridge.recording import device_side
 from firmware_bridge.runtime.black_box import SERIAL_LOG
 
 if TYPE_CHECKING:
-    from emulators.arduino_omni.board import Firmware
+    from emulators.arduino_omni.board import Board, Firmware
     from emulators.arduino_omni.faults import Planned
     from emulators.arduino_omni.motors import MotorLoad
+    from emulators.control.live_site import Live
+    from emulators.gateway import Cluster
 
 
 EXAMPLES: Final = """Examples:
@@ -107,9 +109,12 @@ class BoardOptions(LineOptions):
         ),
     ] = None
     record: RecordOption = None
+    control: ControlOption = "unix"
     duration: DurationOption = None
 
 
+BOARD: Final = "board"
+"""Name of the board's link."""
 NOT_STOCK: Final = ", not stock"
 
 
@@ -120,6 +125,7 @@ def start(given: BoardOptions) -> Emulation:
     from emulators.arduino_omni.faults import FaultyBoard
     from emulators.arduino_omni.mega.mega import SketchError
     from emulators.arduino_omni.motors import SUPPLY_V
+    from emulators.gateway import Cluster
     from emulators.servo.seam import ServoError
     from fmu.errors import PlantError
 
@@ -138,8 +144,9 @@ def start(given: BoardOptions) -> Emulation:
     keeping_reported(board.mega)
     stock = "" if encoders in firmware.stock else NOT_STOCK
     called = {SERIAL: device_side("board", given.firmware)}
+    cluster = Cluster({BOARD: FaultyBoard(board, plan)}, links={BOARD: {SERIAL: SERIAL}})
     return Emulation(
-        node=FaultyBoard(board, plan),
+        node=cluster,
         opened=partial(line_opened, given, firmware.baud),
         text=lambda where: (
             f"{firmware.title} ({encoders} encoders{stock}) on {where}: motors {', '.join(load.names)}"
@@ -147,7 +154,19 @@ def start(given: BoardOptions) -> Emulation:
         errors=(PlantError, ServoError, SketchError),
         files={SERIAL: SERIAL_LOG},
         called=called,
+        live=lambda: _live(board, load.names, cluster),
     )
+
+
+def _live(board: "Board", names: tuple[str, ...], cluster: "Cluster") -> "Live":
+    from emulators.arduino_omni.shield_motors import ShieldMotor
+    from emulators.control.alone import alone, stand_in
+    from emulators.family import Station, Way
+
+    ports = {axis: port for port, axis in enumerate(names, start=1)}
+    motors = [ShieldMotor(axis, board, port) for axis, port in ports.items()]
+    station = Station(board, BOARD, {SERIAL: Way.LINE})
+    return alone(stand_in(("rome", "port"), "board", BOARD, ports), {BOARD: station}, motors, cluster)
 
 
 def _firmware(given: BoardOptions) -> "Firmware":

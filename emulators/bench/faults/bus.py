@@ -9,6 +9,7 @@ from pydantic import Field
 
 from emulators.bench.faults.fault import (
     CABLE_ORDER,
+    Fault,
     Lasting,
     Node,
     OnBus,
@@ -18,7 +19,7 @@ from emulators.bench.faults.fault import (
     absent,
     named,
 )
-from emulators.bench.faults.site import Site
+from emulators.bench.faults.site import BRIDGE, Site
 from emulators.wires import Disturbance, Effect
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen.cia301 import NmtCommand
@@ -32,16 +33,26 @@ _COMMANDS: Final = {
     "reset_node": NmtCommand.RESET_NODE,
     "reset_communication": NmtCommand.RESET_COMMUNICATION,
 }
+CONTROLLERS: Final = "bits of a frame and error counters are the real controller's"
 _AHEAD: Final = 2
 """Frames in a babbler's queue: with one under way and one behind it the bus is never idle."""
 Sender = Annotated[Node | None, Field(description="sender of the frames; without it all nodes")]
 Receiver = Annotated[Node, Field(description="node that receives them with errors")]
 
 
-class FrameError(OnBus, Lasting):
+class _Disturbing(OnBus, Lasting, ABC):
+    """A disturbance of frames from the fault's begin to its end."""
+
+    def take_off(self, site: Site) -> None:
+        """Disturb no more."""
+        site.cans[self.on(site.robot)].calm(self)
+
+
+class FrameError(_Disturbing):
     """Frames are damaged on the bus."""
 
     kind: ClassVar = "frame_error"
+    bench_only: ClassVar = CONTROLLERS
     among: ClassVar = Stations.ON_THE_BUS
     node: Sender = None
     share: Share = 1.0
@@ -51,14 +62,16 @@ class FrameError(OnBus, Lasting):
         """Damage frames."""
         sender = None if self.node is None else named(site.robot, self.node)
         site.cans[self.on(site.robot)].disturb(
-            Disturbance(sender, None, self.begin, self.end, self.count, Effect.ERROR, self.share, chance)
+            Disturbance(sender, None, self.begin, self.end, self.count, Effect.ERROR, self.share, chance),
+            of=self,
         )
 
 
-class ReceptionError(OnBus, Lasting):
+class ReceptionError(_Disturbing):
     """Frames are damaged for one receiver."""
 
     kind: ClassVar = "reception_error"
+    bench_only: ClassVar = CONTROLLERS
     among: ClassVar = Stations.ON_THE_BUS
     node: Receiver
     share: Share = 1.0
@@ -67,11 +80,12 @@ class ReceptionError(OnBus, Lasting):
         """Spoil frames at one receiver."""
         receiver = named(site.robot, self.node)
         site.cans[self.on(site.robot)].disturb(
-            Disturbance(None, receiver, self.begin, self.end, None, Effect.ERROR, self.share, chance)
+            Disturbance(None, receiver, self.begin, self.end, None, Effect.ERROR, self.share, chance),
+            of=self,
         )
 
 
-class FrameLoss(OnBus, Lasting):
+class FrameLoss(_Disturbing):
     """Frames are lost between a node and the bus."""
 
     kind: ClassVar = "frame_loss"
@@ -83,11 +97,21 @@ class FrameLoss(OnBus, Lasting):
         """Lose frames."""
         sender = None if self.node is None else named(site.robot, self.node)
         site.cans[self.on(site.robot)].disturb(
-            Disturbance(sender, None, self.begin, self.end, None, Effect.LOSS, self.share, chance)
+            Disturbance(sender, None, self.begin, self.end, None, Effect.LOSS, self.share, chance),
+            of=self,
         )
 
 
-class ReceiveOverrun(OnBus, Lasting):
+class _NotOfTheBridge(Fault, ABC):
+    """A fault of a node on a bus, which is not possible where the bridge, another program, is that node."""
+
+    def real_bus_problem(self, robot: AnyRobot) -> str:
+        """Return why it is not possible on a real bus: it is the bridge's."""
+        bridge = named(robot, getattr(self, "node", "")) == BRIDGE
+        return "the bridge is another program, and its controller is a real one" if bridge else ""
+
+
+class ReceiveOverrun(_NotOfTheBridge, _Disturbing):
     """A node's controller has no room for frames."""
 
     kind: ClassVar = "receive_overrun"
@@ -99,7 +123,8 @@ class ReceiveOverrun(OnBus, Lasting):
         """Lose frames at one receiver."""
         receiver = named(site.robot, self.node)
         site.cans[self.on(site.robot)].disturb(
-            Disturbance(None, receiver, self.begin, self.end, None, Effect.OVERRUN, self.share, chance)
+            Disturbance(None, receiver, self.begin, self.end, None, Effect.OVERRUN, self.share, chance),
+            of=self,
         )
 
 
@@ -123,6 +148,7 @@ class BusOff(_Station):
     """A controller leaves the bus."""
 
     kind: ClassVar = "bus_off"
+    bench_only: ClassVar = CONTROLLERS
 
     def meet(self, site: Site, name: str) -> None:
         """Damage all its frames until it is off, and keep it there."""
@@ -133,6 +159,7 @@ class CanSwapped(_Station):
     """CAN high and CAN low are exchanged at a node."""
 
     kind: ClassVar = "can_swapped"
+    bench_only: ClassVar = CONTROLLERS
 
     def meet(self, site: Site, name: str) -> None:
         """Exchange the wires."""
@@ -197,7 +224,7 @@ class BabblingNode(OnBus, Lasting):
 
     def _babble(self, site: Site) -> None:
         world = site.world
-        if world.now < self.end:
+        if site.lasts(self, self.end):
             # No more than that: a queue that grew would go on after the fault's end.
             if site.waiting(self.on(site.robot)) < _AHEAD:
                 site.send(self.on(site.robot), self.identifier, bytes(8))
@@ -243,13 +270,13 @@ class StrayFrames(OnBus, Lasting):
 
     def _send(self, site: Site) -> None:
         world, link = site.world, self.on(site.robot)
-        if world.now < self.end:
+        if site.lasts(self, self.end):
             if site.waiting(link) < _AHEAD:
                 site.send(link, self.identifier, bytes.fromhex(self.data))
             world.call_at(world.now + self.every_ms * MILLISECOND, self._send, site)
 
 
-class NodeSilent(Lasting):
+class NodeSilent(_NotOfTheBridge, Lasting):
     """A node is cut off all its links."""
 
     kind: ClassVar = "node_silent"

@@ -86,12 +86,11 @@ class _Supply(_OnAxes):
 
     def begin_at(self, axis: ServoAxis) -> None:
         """Put the voltage on."""
-        # 0 in the record means "not forced".
-        axis.forced_supply_mv = max(1, round(self.to_v * MILLI))
+        axis.force_supply(max(1, round(self.to_v * MILLI)))
 
     def end_at(self, axis: ServoAxis) -> None:
         """Leave the drive to the battery."""
-        axis.forced_supply_mv = 0
+        axis.force_supply(0)
 
 
 class SupplySag(_Supply):

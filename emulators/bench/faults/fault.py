@@ -55,6 +55,8 @@ class Fault(Table, ABC):
     """The field's name for it."""
     among: ClassVar[Stations] = Stations.DRIVES
     """Stations that its `node` may name, where it has one."""
+    bench_only: ClassVar[str] = ""
+    """Why no emulated device can bring it about on a real bus; empty where it can."""
 
     at_s: NonNegative
     title: Annotated[str, Field(max_length=100)] = ""
@@ -82,6 +84,11 @@ class Fault(Table, ABC):
             yield "kind", f"{robot.name} has not {self.among.value}"
         elif (node := getattr(self, "node", None)) is not None:
             yield from absent("node", node, self.among, robot)
+
+    def real_bus_problem(self, robot: AnyRobot) -> str:
+        """Return why this one is not possible on a real bus; empty where it is."""
+        del robot
+        return self.bench_only
 
     @abstractmethod
     def put_on(self, site: Site, chance: Generator) -> None:

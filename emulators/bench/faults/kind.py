@@ -27,6 +27,11 @@ class FaultKind:
         return self.fault.kind
 
     @property
+    def bench_only(self) -> str:
+        """Return why it is not possible on a real bus; empty where it is."""
+        return self.fault.bench_only
+
+    @property
     def lasts(self) -> bool:
         """True if it has an end; else it is an instant."""
         return issubclass(self.fault, Lasting)

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Final, Literal
 
 from numpy.random import Generator
 from pydantic import Field
@@ -15,6 +15,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.table import Medium
 from firmware_bridge.units import MILLISECOND
 
+OPERATORS_LINK: Final = "the operator's link is the bridge's: `drive --link delay=...` impairs it"
 Sender = Annotated[
     Literal["operator", "bridge"] | None,
     Field(description="sender of the datagrams; without it both directions"),
@@ -39,6 +40,7 @@ class DatagramLoss(_Datagrams):
     """Datagrams are lost."""
 
     kind: ClassVar = "datagram_loss"
+    bench_only: ClassVar = OPERATORS_LINK
 
     def impairment(self, chance: Generator) -> Impairment:
         """Lose them."""
@@ -49,6 +51,7 @@ class DatagramLate(_Datagrams):
     """Datagrams come late."""
 
     kind: ClassVar = "datagram_late"
+    bench_only: ClassVar = OPERATORS_LINK
     by_ms: Annotated[Positive, Field(description="delay beyond the link's own, in ms")]
 
     def impairment(self, chance: Generator) -> Impairment:
@@ -61,6 +64,7 @@ class DatagramDoubled(_Datagrams):
     """Datagrams come twice."""
 
     kind: ClassVar = "datagram_doubled"
+    bench_only: ClassVar = OPERATORS_LINK
     after_ms: Annotated[NonNegative, Field(description="interval between the two, in ms")] = 0.0
 
     def impairment(self, chance: Generator) -> Impairment:
@@ -73,6 +77,7 @@ class SerialUnplugged(Lasting):
     """The adapter between the bridge and the serial line is pulled out."""
 
     kind: ClassVar = "serial_unplugged"
+    bench_only: ClassVar = "the port is open in the program under test: end it, or pull its plug"
     among: ClassVar = Stations.NONE
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:

@@ -1,7 +1,7 @@
 """Actions of people: end, kill or suspend the bridge; start a second one; join with a second station."""
 
 from collections.abc import Iterator
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Final, Literal, Self
 
 from numpy.random import Generator
 from pydantic import Field, model_validator
@@ -12,11 +12,14 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.table import Medium
 from firmware_bridge.units import from_seconds
 
+PROGRAMS: Final = "bridge and ground stations are other programs: start, stop and end them by the shell"
+
 
 class BridgeEnds(Lasting):
     """The bridge receives a request to end, or its process is killed; at the fault's end one is started."""
 
     kind: ClassVar = "bridge_ends"
+    bench_only: ClassVar = PROGRAMS
     among: ClassVar = Stations.NONE
     how: Annotated[Literal["interrupted", "killed"], Field(description="ended as by Ctrl-C, or killed")] = (
         "interrupted"
@@ -53,13 +56,14 @@ class BridgeEnds(Lasting):
 
     def _ask(self, site: Site) -> None:
         if site.world.now < self.end:
-            site.world.stop(BRIDGE)
+            site.bridges.end(BRIDGE)
 
 
 class BridgeSuspended(Lasting):
     """The bridge's process is not run: stopped by its shell, or its laptop's lid was closed."""
 
     kind: ClassVar = "bridge_suspended"
+    bench_only: ClassVar = PROGRAMS
     among: ClassVar = Stations.NONE
 
     def targets(self, robot: AnyRobot) -> frozenset[str]:
@@ -70,19 +74,18 @@ class BridgeSuspended(Lasting):
     def put_on(self, site: Site, chance: Generator) -> None:
         """Suspend it, unless it has ended."""
         del chance
-        if site.world.here(BRIDGE):
-            site.world.suspend(BRIDGE)
+        site.bridges.suspend(BRIDGE)
 
     def take_off(self, site: Site) -> None:
         """Let it run on."""
-        if site.world.here(BRIDGE):
-            site.world.resume(BRIDGE)
+        site.bridges.resume(BRIDGE)
 
 
 class SecondBridge(Lasting):
     """Someone starts a second bridge on the same bus, and ends it by Ctrl-C."""
 
     kind: ClassVar = "second_bridge"
+    bench_only: ClassVar = PROGRAMS
     among: ClassVar = Stations.NONE
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
@@ -97,13 +100,14 @@ class SecondBridge(Lasting):
 
     def take_off(self, site: Site) -> None:
         """Request its end."""
-        site.world.stop(SECOND_BRIDGE)
+        site.bridges.end(SECOND_BRIDGE)
 
 
 class SecondStation(Lasting):
     """A second ground station speaks to the robot."""
 
     kind: ClassVar = "second_station"
+    bench_only: ClassVar = PROGRAMS
     among: ClassVar = Stations.NONE
     stick: Annotated[float, Field(ge=-1, le=1, description="deflection of its stick, forward positive")] = 0.0
     order: Annotated[

@@ -34,16 +34,21 @@ class Faults:
         self.records: Final[list[FaultRecord]] = []
         self._site: Final = site
         self._seed: Final = seed
-        self._planned: list[Fault] = []
+        self._planned: dict[int, Fault] = {}
+        """Those that have not ended, by their numbers."""
+        self._count = 0
         self._record_of: dict[int, int] = {}
 
-    def plan(self, faults: Sequence[Fault]) -> None:
-        """Plan these faults, beside those that were planned before; FaultError for any that cannot happen."""
-        now, first = self._site.world.now, len(self._planned)
-        everything = [*self._planned, *faults]
+    def plan(self, faults: Sequence[Fault]) -> int:
+        """Plan these faults, beside those that were planned before; return the number of the first.
+
+        FaultError for any that cannot happen.
+        """
+        now, before = self._site.world.now, len(self._planned)
+        everything = [*self._planned.values(), *faults]
         # In the messages faults count from the first one of this call, as in its mission file.
         problems = [
-            (key.replace(f"fault[{number}]", f"fault[{number - first}]", 1), problem)
+            (key.replace(f"fault[{number}]", f"fault[{number - before}]", 1), problem)
             for key, problem in misfits(everything, self._site.robot)
             for number in [int(key[key.index("[") + 1 : key.index("]")])]
         ]
@@ -54,7 +59,9 @@ class Faults:
         ]
         if problems:
             raise FaultError(problems)
-        self._planned = everything
+        first = self._count
+        self._count += len(faults)
+        self._planned.update(enumerate(faults, start=first))
         world = self._site.world
         # Ends before beginnings: at one instant the second fault meets a bench that the first has left.
         for number, fault in enumerate(faults, start=first):
@@ -62,21 +69,42 @@ class Faults:
                 world.call_at(fault.end, self._end, number)
         for number, fault in enumerate(faults, start=first):
             world.call_at(fault.begin, self._begin, number)
+        return first
+
+    def record_of(self, number: int) -> FaultRecord:
+        """Return the record of a fault that is on; KeyError."""
+        return self.records[self._record_of[number]]
+
+    @property
+    def standing(self) -> tuple[int, ...]:
+        """The numbers of those that are on and have an end, the oldest first."""
+        return tuple(self._record_of)
+
+    def clear(self, number: int) -> None:
+        """End a fault that is on before its time."""
+        self._site.clear(self._planned[number])
+        self._end(number)
 
     def _begin(self, number: int) -> None:
         fault, world = self._planned[number], self._site.world
         lasts = fault.end > fault.begin
-        self._record_of[number] = len(self.records)
+        if lasts:
+            self._record_of[number] = len(self.records)
         targets = tuple(sorted(fault.targets(self._site.robot)))
         ended = None if lasts else world.now
         self.records.append(FaultRecord(fault.kind, fault.title, targets, world.now, ended))
         # A generator for each: another fault that is planned behind it changes none of its draws.
         fault.put_on(self._site, np.random.default_rng([self._seed, FAULT_STREAM, number]))
+        if not lasts:
+            del self._planned[number]
 
     def _end(self, number: int) -> None:
-        at = self._record_of[number]
+        fault = self._planned.pop(number, None)
+        if fault is None:
+            return  # it was cleared before
+        at = self._record_of.pop(number)
         record = self.records[at]
-        self._planned[number].take_off(self._site)
+        fault.take_off(self._site)
         self.records[at] = FaultRecord(
             record.kind, record.title, record.nodes, record.began, self._site.world.now
         )

@@ -1,18 +1,18 @@
 """Places of faults: the parts of one bench, by the names in its robot file.
 
-It does not know the individual faults.
+It does not know the individual faults. On real buses it has fewer parts: `emulators.control.live_site`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Protocol, runtime_checkable
+from typing import Any, Final, Protocol, runtime_checkable
 
 from emulators.bench.second_station import SecondStation
 from emulators.family import Devices
-from emulators.wires import DatagramWire, FaultyCanWire
+from emulators.wires import DatagramWire, Disturbance
 from emulators.wires.adapter import Adapter
-from emulators.world import Wire, World, WorldNode
-from firmware_bridge.node import CAN, OPERATOR, SERIAL
+from emulators.world import Wire, WorldNode
+from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds
@@ -22,6 +22,60 @@ OPERATOR_STATION: Final = "operator"
 FOREIGN_NODE: Final = "foreign node"
 SECOND_BRIDGE: Final = "second bridge"
 SECOND_STATION: Final = "second station"
+
+
+class Carrier(Protocol):
+    """What carries the nodes of a bench, in virtual time or in real time."""
+
+    @property
+    def now(self) -> Nanoseconds:
+        """The present instant."""
+
+    def call_at(self, at: Nanoseconds, call: Callable[[Any], None], argument: object = None) -> None:
+        """Call back at an instant."""
+
+    def here(self, name: str) -> bool:
+        """Return whether a node of this name is on its wires."""
+
+    def links(self, name: str) -> Mapping[str, Any]:
+        """Return what a node is attached to, by the names that it has for it."""
+
+    def attach(self, name: str, node: Node, links: Mapping[str, Any]) -> Any:
+        """Put a node there; it is first woken now."""
+
+    def detach(self, name: str) -> None:
+        """Remove a node."""
+
+    def silence(self, name: str, from_time: Nanoseconds) -> None:
+        """Cut a node off from an instant on; `NEVER` restores it."""
+
+    def rouse(self, name: str) -> None:
+        """Wake a node now."""
+
+
+class Bus(Wire, Protocol):
+    """A CAN bus, as far as faults are concerned."""
+
+    def disturb(self, what: Disturbance, of: object = None) -> None:
+        """Damage or lose frames from now on, until `calm` where a fault has done it."""
+
+    def calm(self, of: object) -> None:
+        """End what this fault has disturbed."""
+
+    def cut(self, beyond: Collection[str]) -> None:
+        """Cut the cable: the nodes of these names receive from each other only, and so do the others."""
+
+    def swap(self, names: Collection[str]) -> None:
+        """Exchange CAN high and CAN low at these nodes."""
+
+    def repair(self) -> None:
+        """Put the cable right: neither cut nor swapped."""
+
+    def throw_off(self, name: str, until: Nanoseconds) -> None:
+        """Damage a node's frames until its controller is off the bus, and keep it there until an instant."""
+
+    def waiting(self, station: WorldNode) -> int:
+        """Return how many frames of a node have not wholly left."""
 
 
 class Bridges(Protocol):
@@ -36,6 +90,15 @@ class Bridges(Protocol):
 
     def start_second(self) -> None:
         """Start one beside it, as `SECOND_BRIDGE`."""
+
+    def end(self, name: str) -> None:
+        """Request one to end in good order, as by Ctrl-C."""
+
+    def suspend(self, name: str) -> None:
+        """Let one not run, if it has not ended."""
+
+    def resume(self, name: str) -> None:
+        """Let it run again."""
 
 
 @runtime_checkable
@@ -70,8 +133,8 @@ class Site:
     """One bench: its devices, and its wires by link."""
 
     robot: AnyRobot
-    world: World
-    cans: Mapping[str, FaultyCanWire]
+    world: Carrier
+    cans: Mapping[str, Bus]
     operator: DatagramWire
     devices: Devices
     bridges: Bridges
@@ -83,7 +146,17 @@ class Site:
     """All stations that have joined the operator's link, the newest last."""
     _foreign_nodes: dict[str, WorldNode] = field(default_factory=dict)
     """Foreign nodes by the link on whose bus or line they are."""
-    _unplugged: dict[str, Mapping[str, Wire]] = field(default_factory=dict)
+    _unplugged: dict[str, Mapping[str, Any]] = field(default_factory=dict)
+    _cleared: list[object] = field(default_factory=list)
+    """The faults that were ended before their time."""
+
+    def clear(self, fault: object) -> None:
+        """Note that a fault is ended before its time."""
+        self._cleared.append(fault)
+
+    def lasts(self, fault: object, end: Nanoseconds) -> bool:
+        """Return whether a fault with this end still goes on."""
+        return self.world.now < end and not any(one is fault for one in self._cleared)
 
     def send(self, link: str, address: int, payload: bytes) -> None:
         """Queue a frame of a foreign node on a link's bus; the node is there from the first one on."""

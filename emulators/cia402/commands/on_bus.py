@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from emulators.cli.emulation import Emulation
-from emulators.cli.options import ParametersOption
+from emulators.cli.options import ControlOption, ParametersOption
 from emulators.servo.motor import SUPPLY_MV
 from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, DurationOption, InterfaceOption
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from emulators.canopen.saved_parameters import Storage
+    from emulators.control.live_site import Live
     from emulators.servo.axis import ServoAxis
     from emulators.servo.motor import DcMotor
 
@@ -42,6 +43,7 @@ class BusOptions:
     ] = 500
     parameters: ParametersOption = None
     record: RecordOption = None
+    control: ControlOption = "unix"
     duration: DurationOption = None
 
 
@@ -87,11 +89,22 @@ def on_bus(given: BusOptions, fitted: Fitted) -> Emulation:
             supply_mv=fitted.supply_mv,
         )
     places = [(CAN, node) for node in nodes]
+    cluster = Cluster(devices, bank)
+
+    def live() -> "Live":
+        from emulators.control.alone import alone, stand_in
+        from emulators.family import Station, Way
+
+        stations = {name: Station(one, CAN, {CAN: Way.BUS}) for name, one in devices.items()}
+        robot = stand_in(("servo_axis", "node"), fitted.product, CAN, dict(zip(devices, nodes, strict=True)))
+        return alone(robot, stations, bank.axes, cluster)
+
     outside = Outside(interface=given.interface, channel=given.channel, bit_rate=given.bit_rate)
     return Emulation(
-        node=duplicates_reported(Cluster(devices, bank), places),
+        node=duplicates_reported(cluster, places),
         opened=lambda: opened(outside, "", 0, DEFAULT_BIT_RATE, any_rate=True),
         text=lambda where: fitted.text.replace("WHERE", where),
         files={CAN: CAN_LOG},
         around=lambda node: RollCalled(node, places),
+        live=live,
     )

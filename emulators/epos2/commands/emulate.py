@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from emulators.cli.emulation import Emulation, emulating
-from emulators.cli.options import LatencyOption, ParametersOption, plant_file
+from emulators.cli.options import ControlOption, LatencyOption, ParametersOption, plant_file
 from emulators.epos2.commands.options import ProfileOption, find_profile
 from emulators.epos2.objects.device_profile import BAUDS, BIT_RATES, DeviceProfile, realistic
 from emulators.servo.motor import MOTOR, SUPPLY_MV
@@ -25,7 +25,12 @@ from firmware_bridge.recording import device_side
 from firmware_bridge.runtime.black_box import CAN_LOG, SERIAL_LOG
 
 if TYPE_CHECKING:
+    from emulators.control.live_site import Live
+    from emulators.epos2.drive import Epos2
     from emulators.epos2.mounted import Mounted, ShaftLoad
+    from emulators.epos2.single import DrivesOrder
+    from emulators.gateway import Cluster
+    from emulators.servo.bank import ServoBank
     from firmware_bridge.canopen.address import Address
 
 EXAMPLES: Final = """Examples:
@@ -181,6 +186,7 @@ class DrivesOptions(Outside):
         ),
     ] = None
     record: RecordOption = None
+    control: ControlOption = "unix"
     duration: DurationOption = None
 
 
@@ -248,7 +254,17 @@ def start(given: DrivesOptions) -> Emulation:
         files={CAN: CAN_LOG, SERIAL: SERIAL_LOG},
         called=called,
         around=lambda node: RollCalled(node, places),
+        live=lambda: _live(order, made, bank, cluster),
     )
+
+
+def _live(order: "DrivesOrder", made: "Mapping[str, Epos2]", bank: "ServoBank", cluster: "Cluster") -> "Live":
+    from emulators.control.alone import alone, stand_in
+    from emulators.family import Station, Way
+
+    stations = {name: Station(drive, CAN, {CAN: Way.BUS}) for name, drive in made.items()}
+    robot = stand_in(("rars", "node"), "epos2", CAN, dict(zip(order.names, order.nodes, strict=True)))
+    return alone(robot, stations, bank.axes, cluster, bank.plant)
 
 
 def _axes(plant: Path | None, count: int) -> tuple[str, ...]:

@@ -1,0 +1,163 @@
+"""The control desk: a node around emulated devices that carries out what comes over the control port."""
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any, Final, NoReturn
+
+from pydantic import ValidationError
+
+from emulators.bench.faults import Faults, kinds, read
+from emulators.bench.faults.schedule import FaultError
+from emulators.bench.records import FaultRecord
+from emulators.control.lines import VERSION, LineError, line_of, request_of
+from emulators.control.live_site import Live, LiveSite
+from emulators.control.settable import Settable, SettingError
+from firmware_bridge.node import Node, Stoppable
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.robot.problems import near, problems_of
+from firmware_bridge.units import Nanoseconds, to_seconds
+from fmu.errors import PlantError
+
+CONTROL: Final = "control"
+"""The link of the control port; an address is a client."""
+OFF_S: Final = 0.2
+"""Time without supply of a drive that is restarted."""
+
+
+class RefusedError(Exception):
+    """A request that cannot be carried out: what, and why."""
+
+
+class Desk:
+    """A node that is finished once a client has ended it; all else passes to the devices."""
+
+    def __init__(self, node: Node, live: Live, report: Callable[[str], None]) -> None:
+        """Take the devices as they are carried, what is behind them, and the report of what was done."""
+        self._node: Final = node
+        self._live: Final = live
+        self._report: Final = report
+        self._site: Final = LiveSite(live)
+        self._faults: Final = Faults(self._site)
+        self._settable: Final = Settable(live.devices, live.plant)
+        self.finished = False
+        self._does: Final[Mapping[str, Callable[[dict[str, Any]], dict[str, Any]]]] = MappingProxyType(
+            {
+                "inject": self._inject,
+                "clear": self._clear,
+                "state": self._state,
+                "set": self._set,
+                "restart": self._restart,
+                "shutdown": self._shutdown,
+            }
+        )
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Carry out a request of the control port; pass on everything else."""
+        if packet.link != CONTROL:
+            return self._node.receive(packet, now)
+        # The devices come to this instant first, and what it changes leaves at once.
+        before = self._node.wake(now)
+        answer = self._answer(packet.payload)
+        after = self._node.wake(now)
+        sent = (*before.sent, *after.sent, Packet(CONTROL, packet.address, line_of(answer)))
+        return Reaction(sent, after.wake_at)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Wake the devices."""
+        return self._node.wake(now)
+
+    def stop(self, now: Nanoseconds) -> Reaction:
+        """Stop the devices, where they can be stopped."""
+        return self._node.stop(now) if isinstance(self._node, Stoppable) else Reaction()
+
+    def _answer(self, line: bytes) -> dict[str, Any]:
+        at_s = to_seconds(self._live.cluster.now)
+        number: Any = None
+        try:
+            request = request_of(line)
+            number = request.get("id")
+            work = self._does.get(request["do"], self._unknown)
+            return {"id": number, "ok": True, "at_s": at_s, **work(request)}
+        except (LineError, RefusedError, SettingError, PlantError) as error:
+            return {"id": number, "ok": False, "at_s": at_s, "error": str(error)}
+
+    def _unknown(self, request: dict[str, Any]) -> NoReturn:
+        raise RefusedError(f"no such request as '{request['do']}'; {near(request['do'], self._does)}")
+
+    def _inject(self, request: dict[str, Any]) -> dict[str, Any]:
+        kind, keys = request.get("fault"), request.get("keys", {})
+        if not isinstance(kind, str) or not isinstance(keys, dict):
+            raise RefusedError('inject: give "fault", a name, and "keys", an object')
+        number = self._begin(kind, keys)
+        return {"number": number}
+
+    def _begin(self, kind: str, keys: dict[str, Any]) -> int:
+        """Begin a fault now; return its number."""
+        robot, row = self._live.robot, kinds().get(kind)
+        try:
+            fault = read({"kind": kind, **keys, "at_s": to_seconds(self._live.cluster.now)}, robot)
+            if problem := fault.real_bus_problem(robot):
+                raise RefusedError(f"{kind}: not on a real bus or line: {problem}")
+            number = self._faults.plan([fault])
+        except ValidationError as error:
+            if row is None:
+                raise RefusedError(str(error.errors()[0]["msg"])) from error
+            stated = "; ".join(f"{key}: {problem}" for key, problem in problems_of(error, row.fault))
+            raise RefusedError(f"{kind}: {stated}") from error
+        except FaultError as error:
+            stated = "; ".join(f"{key.partition('.')[2] or key}: {what}" for key, what in error.problems)
+            raise RefusedError(f"{kind}: {stated}") from error
+        where = ", ".join(sorted(fault.targets(robot))) or robot.name
+        self._report(f"fault {kind} begins at {fault.at_s:.6f} s: {where}")
+        return number
+
+    def _clear(self, request: dict[str, Any]) -> dict[str, Any]:
+        number, standing = request.get("number"), self._faults.standing
+        if number is not None and number not in standing:
+            known = ", ".join(map(str, standing)) or "none"
+            raise RefusedError(f"clear: no fault {number} is on; numbers of those that are: {known}")
+        cleared = standing if number is None else (number,)
+        for one in cleared:
+            record = self._faults.record_of(one)
+            self._faults.clear(one)
+            self._report(f"fault {record.kind} cleared at {to_seconds(self._live.cluster.now):.6f} s")
+        return {"cleared": list(cleared)}
+
+    def _state(self, _request: dict[str, Any]) -> dict[str, Any]:
+        return {
+            "version": VERSION,
+            "emulates": self._live.robot.name,
+            "devices": {name: self._live.cluster.here(name) for name in self._live.devices.stations},
+            "faults": [
+                {"number": one, **_as_json(self._faults.record_of(one))} for one in self._faults.standing
+            ],
+            "settable": list(self._settable.names),
+        }
+
+    def _set(self, request: dict[str, Any]) -> dict[str, Any]:
+        values = request.get("values")
+        if not isinstance(values, dict) or not values:
+            raise RefusedError('set: give "values", an object with numbers by name')
+        for name, value in values.items():
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                raise RefusedError(f"set: {name} must be a number, but it is {value!r}")
+        for name, value in values.items():
+            self._settable.put(name, float(value))
+            self._report(f"{name} set to {value:g} at {to_seconds(self._live.cluster.now):.6f} s")
+        return {"set": values}
+
+    def _restart(self, request: dict[str, Any]) -> dict[str, Any]:
+        node = request.get("node")
+        if not isinstance(node, str | int):
+            raise RefusedError('restart: give "node", the name or number of a drive, or a board\'s link')
+        if node in self._live.robot.links:
+            return {"number": self._begin("board_reset", {"link": node})}
+        return {"number": self._begin("drive_restart", {"node": node, "for_s": OFF_S})}
+
+    def _shutdown(self, _request: dict[str, Any]) -> dict[str, Any]:
+        self.finished = True
+        return {}
+
+
+def _as_json(record: FaultRecord) -> dict[str, Any]:
+    return {"fault": record.kind, "nodes": list(record.nodes), "began_s": to_seconds(record.began)}

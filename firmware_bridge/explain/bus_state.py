@@ -1,0 +1,50 @@
+"""What the watchers of one bus share: its nodes, its incidents, and the picture of its set-up."""
+
+from dataclasses import dataclass, field
+from typing import Final
+
+from firmware_bridge.explain.followed import FollowedBus
+from firmware_bridge.explain.incident import Evidence, Incident, IncidentKind, Incidents, Report
+from firmware_bridge.explain.node_state import NodeState
+from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
+
+NEAR: Final[Nanoseconds] = 300 * MILLISECOND
+"""What happens within this time of each other belongs together."""
+
+
+@dataclass(slots=True)
+class BusState:
+    """One bus."""
+
+    reader: FollowedBus
+    incidents: Incidents
+    bit_rate: int
+    nodes: dict[int, NodeState] = field(default_factory=dict)
+    now: Nanoseconds = 0
+    first_at: Nanoseconds | None = None
+    frames: int = 0
+    watched: dict[int, Nanoseconds] = field(default_factory=dict)
+    """Nodes whose heartbeat drives consume (0x1016), with the time that they wait."""
+
+    def node(self, number: int) -> NodeState:
+        """Return a node by its number."""
+        found = self.nodes.get(number)
+        if found is None:
+            found = self.nodes[number] = NodeState.of(number)
+        return found
+
+    def evidence(self, at: Nanoseconds, address: int, payload: bytes) -> Evidence:
+        """Return a frame with its text."""
+        return self.reader.evidence(at, address, payload)
+
+    def open(self, kind: IncidentKind, at: Nanoseconds, report: Report) -> Incident:
+        """Add an incident."""
+        return self.incidents.open(kind, at, report)
+
+    def instant(self, at: Nanoseconds) -> str:
+        """Return an instant for people: seconds since the first frame."""
+        return f"{to_seconds(at - (self.first_at or 0)):.6f}"
+
+    def is_controller(self, node: int) -> bool:
+        """Return whether drives wait for the heartbeat of a node."""
+        return node in self.watched
