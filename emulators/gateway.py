@@ -8,12 +8,14 @@ from bisect import insort
 from collections import deque
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
-from emulators.world import Physics
 from firmware_bridge.node import CAN, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
+
+if TYPE_CHECKING:
+    from emulators.world import Physics
 
 ON_CAN: Final[Mapping[str, str]] = MappingProxyType({CAN: CAN})
 
@@ -45,7 +47,7 @@ class Cluster:
     def __init__(
         self,
         members: Mapping[str, Node],
-        physics: Physics | None = None,
+        physics: "Physics | None" = None,
         poll: Nanoseconds = MILLISECOND,
         links: Mapping[str, Mapping[str, str]] = MappingProxyType({}),
     ) -> None:
