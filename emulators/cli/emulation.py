@@ -15,6 +15,7 @@ from firmware_bridge.node import Node
 if TYPE_CHECKING:
     from emulators.control.live_site import Live
     from firmware_bridge.cli.links import Openers
+    from firmware_bridge.runtime.clock import LivedClock
 
 UNIX: Final = "unix"
 NONE: Final = "none"
@@ -68,34 +69,29 @@ def run(given: RunOptions, emulation: Emulation) -> None:
         with one_message(PortError):
             openers, where = emulation.opened()
         node = emulation.around(around(emulation.node))
-        node, openers = _controlled(node, openers, emulation.live, getattr(given, "control", NONE), report)
+        clock = LivedClock()
+        if emulation.live is not None and (place := getattr(given, "control", NONE)) != NONE:
+            node, openers = _controlled(node, openers, emulation.live(), place, (report, clock))
         carry(
             node,
             openers,
             until(given.duration),
             emulation.text(where),
             *emulation.errors,
-            clock=LivedClock(),
+            clock=clock,
         )
     if emulation.ended is not None:
         say(emulation.ended())
 
 
 def _controlled(
-    node: Node,
-    openers: "Openers",
-    parts: "Callable[[], Live] | None",
-    where: str,
-    report: Callable[[str], None],
+    node: Node, openers: "Openers", live: "Live", where: str, run: "tuple[Callable[[str], None], LivedClock]"
 ) -> "tuple[Node, Openers]":
-    """Put the control desk around a node, and its port beside the others."""
-    if parts is None or where == NONE:
-        return node, openers
+    """Put the control desk around a node, and its port beside the others; `run` has its report and clock."""
     from emulators.control.desk import CONTROL, Desk
     from firmware_bridge.runtime.ports import PortError
     from firmware_bridge.runtime.ports.control_socket import ControlSocket
 
-    live = parts()
     try:
         port = ControlSocket(where, live.robot.name)
     except PortError as error:
@@ -106,7 +102,7 @@ def _controlled(
         return node, openers
     if port.token:
         say(f"control port {port.name}, token {port.token}")
-    return Desk(node, live, report), {**openers, CONTROL: lambda: port}
+    return Desk(node, live, *run), {**openers, CONTROL: lambda: port}
 
 
 def emulating(options: type[Options], examples: str, start: Callable[[Options], Emulation]) -> TyperCommand:

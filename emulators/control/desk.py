@@ -15,6 +15,7 @@ from emulators.control.settable import Settable, SettingError
 from firmware_bridge.node import Node, Stoppable
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot.problems import near, problems_of
+from firmware_bridge.runtime.clock import LivedClock
 from firmware_bridge.units import Nanoseconds, to_seconds
 from fmu.errors import PlantError
 
@@ -31,11 +32,14 @@ class RefusedError(Exception):
 class Desk:
     """A node that is finished once a client has ended it; all else passes to the devices."""
 
-    def __init__(self, node: Node, live: Live, report: Callable[[str], None]) -> None:
-        """Take the devices as they are carried, what is behind them, and the report of what was done."""
+    def __init__(
+        self, node: Node, live: Live, report: Callable[[str], None], clock: LivedClock | None = None
+    ) -> None:
+        """Take the devices as they are carried, their parts, what reports to the user, and the clock."""
         self._node: Final = node
         self._live: Final = live
         self._report: Final = report
+        self._clock: Final = clock
         self._site: Final = LiveSite(live)
         self._faults: Final = Faults(self._site)
         self._settable: Final = Settable(live.devices, live.plant)
@@ -132,6 +136,7 @@ class Desk:
                 {"number": one, **_as_json(self._faults.record_of(one))} for one in self._faults.standing
             ],
             "settable": list(self._settable.names),
+            "stalled_s": 0.0 if self._clock is None else to_seconds(self._clock.stalled),
         }
 
     def _set(self, request: dict[str, Any]) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from emulators.testing.errors import RigError
 if TYPE_CHECKING:
     from emulators.testing.buses import Bus
     from emulators.testing.emulated import Boards, Drives
+    from emulators.testing.host_watch import HostWatch  # noqa: F401 - a key's type below
     from emulators.testing.kept import Kept
     from emulators.testing.page import CaseOutcome
     from emulators.testing.plant import VirtualPlant
@@ -38,6 +39,7 @@ VIRTUAL: Final = "virtual"
 HARDWARE: Final = "hardware"
 """Values of --rig."""
 PROCESSES: Final = pytest.StashKey[list["Process"]]()
+WATCH: Final = pytest.StashKey["HostWatch"]()
 """Processes that a test has started, in the order of starting."""
 PROGRAM: Final = (sys.executable, "-P", "-c", "from firmware_bridge.cli import main; main()")
 """`firmware-bridge`, wherever it is installed."""
@@ -175,7 +177,23 @@ def pytest_runtest_makereport(
         for process in item.stash.get(PROCESSES, []):
             text = f"{process.command}\nexit status: {process.status}\n{process.printed}"
             report.sections.append(("firmware-bridge, a program", text))
+        _invalid_where_late(item, report)
     return report
+
+
+def _invalid_where_late(item: pytest.Item, report: pytest.TestReport) -> None:
+    """Report a failure in real time as INVALID where the machine was late: it shows nothing."""
+    if WATCH not in item.stash:
+        return
+    from emulators.testing.host_watch import lateness  # noqa: PLC0415 - for tests in real time alone
+
+    processes: list[Process] = item.stash.get(PROCESSES, [])
+    late = lateness(item.stash[WATCH], processes)
+    if late:
+        path, line, _ = item.reportinfo()
+        failure = report.longreprtext.strip().splitlines()[-1:]
+        report.outcome = "skipped"
+        report.longrepr = (str(path), line or 0, f"INVALID: {late}; it failed: {''.join(failure)}")
 
 
 @pytest.fixture(scope="session")
@@ -267,9 +285,11 @@ def under_test(
     bus: Callable[[], "Bus"],  # so that it is given back when no one is on it any more
 ) -> Iterator[Callable[[str | Sequence[str]], "Process"]]:
     """Return what starts a program, `under_test("./my_master vcan0")`; it is ended with the test."""
+    from emulators.testing import host_watch  # noqa: PLC0415 - as above
     from emulators.testing.process import Process  # noqa: PLC0415 - for tests that use it alone
 
     del bus
+    watch = request.node.stash[WATCH] = host_watch.HostWatch()
     started: list[Process] = request.node.stash.setdefault(PROCESSES, [])
 
     def start(command: str | Sequence[str]) -> Process:
@@ -280,6 +300,7 @@ def under_test(
     # In reverse order: a master ends before the devices that it speaks to.
     for process in reversed(started):
         process.stop()
+    watch.end()
 
 
 @pytest.fixture

@@ -1,20 +1,18 @@
 """`monitor`: a CAN bus decoded, live or from a recording, without a frame of one's own."""
 
-import gzip
-import lzma
-import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import chain, islice
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Annotated, Final, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Final, TypeAlias
 
 import typer
 
 from firmware_bridge.cli.commands import command, completing
-from firmware_bridge.cli.console import WRONG_INPUT, one_message, refusal, say
+from firmware_bridge.cli.console import one_message, refusal, say
+from firmware_bridge.cli.monitor_files import Frame, candump, foreign, numbered, of_one_bus
 from firmware_bridge.cli.options import (
     ChannelOption,
     DurationOption,
@@ -30,6 +28,7 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds
 if TYPE_CHECKING:
     from firmware_bridge.canopen.address import Address
     from firmware_bridge.canopen.object_row import ObjectRow
+    from firmware_bridge.cli.monitor_frames import FrameLines
     from firmware_bridge.dissector.bus_picture import BusPicture
     from firmware_bridge.dissector.expected import Expected
 
@@ -44,6 +43,8 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge monitor --log can.log --device epos2`, or `--dcf drive.dcf`, reads PDOs whose mapping was
 not seen to be written.
+
+`firmware-bridge monitor -i socketcan -c can0 --lines --filter sdo,nmt --node 3` shows those frames in words.
 
 `firmware-bridge monitor --log out/rome-circle/serial.log --robot rome --protocol mw` shows the commands and
 answers of a board line by line."""
@@ -110,20 +111,40 @@ class MonitorOptions:
             show_default=False,
         ),
     ] = None
+    lines: Annotated[bool, typer.Option("--lines", help="Each frame in words, a line each.")] = False
+    changes: Annotated[
+        bool,
+        typer.Option(
+            "--changes",
+            help="A line for each event, and for each frame that differs from the last with its identifier.",
+        ),
+    ] = False
+    filter_: Annotated[
+        str | None,
+        typer.Option(
+            "--filter",
+            metavar="WORDS",
+            help="With --lines or --changes only these frames: nmt, sync, emergency, time, sdo, heartbeat, "
+            "lss, pdo, other, or identifiers as 181 or 180-1FF; several with commas.",
+        ),
+    ] = None
+    node: Annotated[
+        str | None,
+        typer.Option(
+            "--node",
+            "-n",
+            metavar="NUMBERS",
+            help="Only frames of these nodes and to them: 1, or 1-8, or 1,3.",
+        ),
+    ] = None
     duration: DurationOption = None
 
 
 DRAW_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
 
 TELEMETRY: Final = ".tlog"
-_ON_SCREEN: Final = re.compile(r"\s*\S+\s+[0-9A-Fa-f]{3,8}\s+\[\d+\]")
 BIT_RATE: Final = 1_000_000
 """Bit rate in bit/s, where neither the robot file nor an option gives it."""
-
-_OPENERS: Final[Mapping[str, Callable[..., IO[str]]]] = {".gz": gzip.open, ".xz": lzma.open}
-
-_Frame: TypeAlias = tuple[Nanoseconds, str, Packet]
-"""Instant, bus, frame."""
 
 _Show: TypeAlias = Callable[[tuple[str, ...]], None]
 
@@ -131,15 +152,25 @@ _Show: TypeAlias = Callable[[tuple[str, ...]], None]
 class Listening:
     """A node that receives everything and sends nothing."""
 
-    def __init__(self, picture: "BusPicture", show: _Show, draw: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        picture: "BusPicture",
+        show: _Show,
+        draw: Callable[[], None],
+        frames: "FrameLines | None" = None,
+    ) -> None:
         self._picture = picture
         self._show = show
+        self._frames = frames
         self._draw = draw
         self._draw_at: Nanoseconds = 0
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take a frame."""
-        self._show(self._picture.note(now, packet))
+        if self._frames is None:
+            self._show(self._picture.note(now, packet))
+        else:
+            self._frames.note(now, packet)
         return Reaction((), self._draw_at)
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -154,6 +185,8 @@ def run(given: MonitorOptions) -> None:
     """Run `monitor` with these options; an error ends the program with a message."""
     from firmware_bridge.recording import is_chunk
 
+    if (given.filter_ or given.node) and not (given.lines or given.changes):
+        raise refusal("--filter and --node choose among frames: add --lines or --changes")
     if given.log is None:
         _live(given, _picture(given))
         return
@@ -165,26 +198,38 @@ def run(given: MonitorOptions) -> None:
             "show it (QGroundControl, mavlogdump.py)"
         )
     if can_files.is_foreign(given.log):
-        _show_frames(given, _foreign(given.log))
+        _show_frames(given, foreign(given.log))
         return
-    lines = _numbered(given.log)
+    lines = numbered(given.log)
     first = list(islice(lines, 1))
     # The first line decides the format, and is put back before the others.
     if first and is_chunk(first[0][1]):
         _show_lines(given, given.log, chain(first, lines))
         return
-    _show_frames(given, _candump(given.log, chain(first, lines)))
+    _show_frames(given, candump(given.log, chain(first, lines)))
 
 
-def _show_frames(given: MonitorOptions, frames: Iterator[_Frame]) -> None:
+def _show_frames(given: MonitorOptions, frames: Iterator[Frame]) -> None:
     """Draw what a bus has carried."""
     from firmware_bridge.cli.monitor_table import drawn
     from firmware_bridge.cli.tables import terminal
 
     picture = _picture(given)
-    for at, packet in _of_one_bus(str(given.log), given.channel, frames):
-        picture.note(at, packet)
-    terminal().print(drawn(picture))
+    shown = _frame_lines(given, picture)
+    note = picture.note if shown is None else shown.note
+    for at, packet in of_one_bus(str(given.log), given.channel, frames):
+        note(at, packet)
+    if shown is None:
+        terminal().print(drawn(picture))
+
+
+def _frame_lines(given: MonitorOptions, picture: "BusPicture") -> "FrameLines | None":
+    """Return what prints frames; None where the picture is drawn."""
+    if not (given.lines or given.changes):
+        return None
+    from firmware_bridge.cli.monitor_frames import FrameLines, chosen
+
+    return FrameLines(picture, chosen(given.filter_, given.node), changes=given.changes)
 
 
 def _show_lines(given: MonitorOptions, log: Path, lines: Iterator[tuple[int, str]]) -> None:
@@ -220,8 +265,11 @@ def _live(given: MonitorOptions, picture: "BusPicture") -> None:
     from firmware_bridge.node import CAN
     from firmware_bridge.runtime.ports import open_can
 
+    frames = _frame_lines(given, picture)
     with ExitStack() as stack:
-        if on_a_terminal():
+        if frames is not None:
+            node = Listening(picture, lambda texts: _lines(picture, texts), lambda: None, frames)
+        elif on_a_terminal():
             # Only the node draws: a thread of its own would read the picture while a frame changes it.
             shown = stack.enter_context(Live(console=terminal(), auto_refresh=False))
             node = Listening(picture, lambda _: None, lambda: shown.update(drawn(picture), refresh=True))
@@ -325,75 +373,6 @@ def _configured(given: MonitorOptions) -> "tuple[Expected, ...]":
         written = tuple((address, rows[address].type.encode(v)) for address, v in sheet.values.items())
         found.append(Expected(sheet.node, "", written))
     return tuple(found)
-
-
-def _numbered(path: Path) -> Iterator[tuple[int, str]]:
-    """Yield the lines of a recording with their numbers and ends, blank ones left out.
-
-    A file that cannot be read ends the program with a message.
-    """
-    opened = _OPENERS.get(path.suffix, open)
-    try:
-        with opened(path, "rt", encoding="ascii") as lines:
-            for number, line in enumerate(lines, start=1):
-                # A file system that lost its power may leave blocks of zeros at a file's end.
-                if line.strip("\0 \t\r\n"):
-                    yield number, line
-                elif "\0" in line:
-                    say(f"{path}: its end is cut off; line {number} is left out")
-    except EOFError:
-        say(f"{path}: its end is cut off")
-    except (OSError, lzma.LZMAError, UnicodeDecodeError) as error:
-        raise refusal(f"{path}: cannot be read: {error}", WRONG_INPUT) from None
-
-
-def _candump(path: Path, lines: Iterator[tuple[int, str]]) -> Iterator[_Frame]:
-    """Yield the frames of a candump log; a line that is none ends the program with a message."""
-    from firmware_bridge.recording import RecordingError, parse_candump
-
-    for number, line in lines:
-        try:
-            yield parse_candump(line.rstrip("\r\n"))
-        except RecordingError:
-            # A last line without its end was cut off with the run; anywhere else it is damage.
-            if line.startswith("(") and not line.endswith("\n") and number > 1:
-                say(f"{path}: its end is cut off; line {number} is left out")
-                return
-            if _ON_SCREEN.match(line):
-                raise refusal(
-                    f"{path}, line {number}: what candump shows on the screen has no times; record it with "
-                    "candump -L"
-                ) from None
-            raise refusal(
-                f"{path}, line {number}: no line of a candump log, as '(12.345678) can0 123#DEADBEEF'"
-            ) from None
-
-
-def _foreign(path: Path) -> Iterator[_Frame]:
-    """Yield the frames of another tool's recording; one that cannot be read ends the program."""
-    from firmware_bridge.recording import RecordingError
-
-    try:
-        yield from can_files.frames(path)
-    except (RecordingError, OSError) as error:
-        raise refusal(f"{path}: cannot be read: {error}", WRONG_INPUT) from None
-
-
-def _of_one_bus(
-    path: str, channel: str | None, frames: Iterator[_Frame]
-) -> "Iterator[tuple[Nanoseconds, Packet]]":
-    """Yield the frames of one bus of a recording; others in it end the program, where none was chosen."""
-    received: set[str] = set()
-    for at, bus, packet in frames:
-        received.add(bus)
-        if channel is None and len(received) > 1:
-            raise refusal(f"{path}: holds frames of {' and '.join(sorted(received))}; choose one with -c")
-        if channel in {None, bus}:
-            yield at, packet
-    if channel is not None and channel not in received:
-        raise refusal(
-            f"{path}: holds no frame of '{channel}', but of {', '.join(sorted(received)) or 'no_one'}"
-        )
 
 
 monitor: Final = command(EXAMPLES, work=run)(MonitorOptions)

@@ -57,11 +57,12 @@ def _messages(picture: BusPicture) -> Table:
     for heading in ("id", "what", "frames", "1/s", "the last one"):
         table.add_column(heading, overflow="fold")
     for address, title, text, count, rate in picture.messages():
-        table.add_row(_id(address), Text(title), f"{count:6}", f"{rate:4.0f}", Text(text))
+        table.add_row(address_text(address), Text(title), f"{count:6}", f"{rate:4.0f}", Text(text))
     return table
 
 
-def _id(address: int) -> str:
+def address_text(address: int) -> str:
+    """Return an identifier as candump shows it; a remote request is marked."""
     # 11 bits in three digits, 29 bits in eight, as candump shows them.
     digits = 8 if address & EXTENDED else 3
     return f"{identifier(address) & EXTENDED_MASK:0{digits}X}{' R' if address & REMOTE else ''}"

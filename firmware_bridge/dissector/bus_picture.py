@@ -153,6 +153,19 @@ class BusPicture:
                 one.read = self._read(one.packet)
             yield address, *one.read, one.count, one.lately.total(self.now) / to_seconds(RECENT)
 
+    def text_of(self, packet: Packet) -> str:
+        """Return the newest frame's decoded text; it was noted before."""
+        if packet.address & ERROR:
+            return "" if self.error is None else self.error.text
+        message = self._messages[packet.address]
+        if message.read is None:
+            message.read = self._read(message.packet)
+        return ": ".join(filter(None, message.read))
+
+    def node_of(self, packet: Packet) -> int | None:
+        """Return the node that sends a frame, or that it is for; None for all of them, or none known."""
+        return self._reader.node_of(packet)
+
     def note(self, now: Nanoseconds, packet: Packet) -> tuple[str, ...]:
         """Take a frame that has arrived."""
         if self.first_at is None:

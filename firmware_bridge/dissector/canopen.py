@@ -83,6 +83,18 @@ class Canopen:
             return node if mapping >= TRANSMIT_MAPPING else MASTER
         return None
 
+    def node_of(self, packet: Packet) -> int | None:
+        """Return the node that sends such a frame, or that it is for; None for all, or for an unknown one."""
+        number = identifier(packet.address)
+        if packet.address & (ERROR | EXTENDED):
+            return None
+        service = service_of(packet)
+        if service is None:
+            return next((node for node, _, _ in self._nodes.candidates(number)), None)
+        if service.name == "nmt":
+            return (packet.payload[1] if len(packet.payload) > 1 else 0) or None
+        return number - service.base if len(service.added) > 1 else None
+
     def expect(
         self, node: int, written: Iterable[tuple[Address, bytes]], dictionary: Dictionary | None = None
     ) -> None:

@@ -23,8 +23,10 @@ class BusState:
     now: Nanoseconds = 0
     first_at: Nanoseconds | None = None
     frames: int = 0
-    watched: dict[int, Nanoseconds] = field(default_factory=dict)
-    """Nodes whose heartbeat drives consume (0x1016), with the time that they wait."""
+    consumers: dict[tuple[int, int], tuple[int, Nanoseconds]] = field(default_factory=dict)
+    """Node and sub-index of 0x1016: whose heartbeat it waits for, and how long; node 0 for none."""
+    controllers: set[int] = field(default_factory=set)
+    """The nodes that were ever waited for."""
 
     def node(self, number: int) -> NodeState:
         """Return a node by its number."""
@@ -45,6 +47,15 @@ class BusState:
         """Return an instant for people: seconds since the first frame."""
         return f"{to_seconds(at - (self.first_at or 0)):.6f}"
 
+    @property
+    def watched(self) -> dict[int, Nanoseconds]:
+        """The nodes whose heartbeat is waited for, and the shortest time."""
+        found: dict[int, Nanoseconds] = {}
+        for node, waits in self.consumers.values():
+            if node:
+                found[node] = min(waits, found.get(node, waits))
+        return found
+
     def is_controller(self, node: int) -> bool:
-        """Return whether drives wait for the heartbeat of a node."""
-        return node in self.watched
+        """Return whether drives wait, or have waited, for the heartbeat of a node."""
+        return node in self.controllers

@@ -247,7 +247,7 @@ class Drives:
         incidents = self._bus.incidents
         fault = any(incidents.is_open(kind, node.node) for kind in (kinds.EMERGENCY, kinds.FAULT))
         # A drive that has reported why it stopped needs no second explanation.
-        if fault and standstill.had_moved:
+        if fault and (standstill.had_moved or incidents.is_open(kinds.EMERGENCY, node.node)):
             return
         more = "does not move any more" if standstill.had_moved else "does not move"
         length = to_seconds(standstill.until - standstill.since)

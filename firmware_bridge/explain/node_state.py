@@ -93,6 +93,8 @@ class Request:
     payload: bytes
     target: Address
     write: bool
+    stopped: bool
+    """Whether its node was in the NMT state stopped."""
 
 
 @dataclass(slots=True)

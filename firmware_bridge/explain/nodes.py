@@ -192,6 +192,9 @@ class NodesWatch:
         if last is None or period is None:
             return
         controller = self._bus.is_controller(node.node)
+        # One that has taken its consumers off before it ends has ended in order.
+        if controller and node.node not in self._bus.watched:
+            return
         kind = kinds.SILENT_CONTROLLER if controller else kinds.SILENT
         address = cia301.ERROR_CONTROL + node.node
         report = Report(

@@ -26,6 +26,9 @@ _COMMUNICATION: Final = "NMT reset communication first, then controlword 0x0080"
 _LIMIT: Final = "move away from the switch; check its polarity and its input"
 
 REMEDIES: Final = {
+    0x1000: Remedy(
+        ("an error that the drive does not name",), "the error history 0x1003, and the drive's manual"
+    ),
     0x2310: Remedy(
         ("a short in motor or cable", "too steep a ramp for the load"), "motor cable and current limits"
     ),

@@ -37,17 +37,19 @@ QUIET: Final[Nanoseconds] = 300 * MILLISECOND
 SYNC_MISSED: Final = 5.0
 """SYNC has stopped after so many of its periods without one."""
 SET_POINTS: Final = 16
-"""Payloads of a receive PDO that are compared."""
-SENDERS: Final = 3
-"""Most different ones among them where two senders alternate."""
+"""Set-points of one drive that are compared."""
 ALTERNATING: Final = 4
-"""So many of them that alternate are of two senders."""
+"""So many contradictions among them are of two senders."""
 LEAST: Final = 50
 PART: Final = 10
 """Set-points of one sender that go back and forth differ by less than `LEAST`, or than a tenth."""
-_BY_MODE: Final = int(
-    ControlwordBit.NEW_SETPOINT | ControlwordBit.CHANGE_IMMEDIATELY | ControlwordBit.RELATIVE
+_CHANGES: Final = int(
+    ControlwordBit.NEW_SETPOINT
+    | ControlwordBit.CHANGE_IMMEDIATELY
+    | ControlwordBit.RELATIVE
+    | ControlwordBit.FAULT_RESET
 )
+"""Controlword bits that one sender sets and clears again."""
 _BITS: Final = tuple(
     # Of a payload that is neither all zeros nor all ones: a mean number of stuff bits.
     frame_bits(0x2A5, bytes((0x53, 0x10, 0x00, 0x27, 0x00, 0xC1, 0x08, 0x31)[:length])) + INTERFRAME_BITS
@@ -86,7 +88,7 @@ class Traffic:
         self._first: dict[int, Evidence] = {}
         self._sync = Rhythm()
         self._sync_gone = False
-        self._set_points: dict[int, deque[bytes]] = {}
+        self._set_points: dict[int, tuple[deque[bytes], deque[bool]]] = {}
 
     def count(self, address: int, length: int) -> None:
         """Count a frame."""
@@ -170,15 +172,15 @@ class Traffic:
 
     def set_point(self, at: Nanoseconds, address: int, payload: bytes, pdo: Pdo) -> None:
         """Take a receive PDO: set-points of two senders alternate, and differ by more than a regulator's."""
-        payloads = self._set_points.get(address)
-        if payloads is None:
-            payloads = self._set_points[address] = deque(maxlen=SET_POINTS)
-        returns = len(payloads) > 1 and payloads[-2] == payload != payloads[-1]
-        payloads.append(payload)
-        if not returns or len(set(payloads)) > SENDERS or _alternating(payloads) < ALTERNATING:
-            return
-        other = payloads[-2]
-        if _contradict(pdo.objects(payload), pdo.objects(other)):
+        known = self._set_points.get(address)
+        if known is None:
+            known = self._set_points[address] = (deque(maxlen=2), deque(maxlen=SET_POINTS))
+        last, contradictions = known
+        other = last[-1] if last else payload
+        returns = other != payload == last[0]
+        last.append(payload)
+        contradictions.append(returns and _contradict(pdo.objects(payload), pdo.objects(other)))
+        if contradictions[-1] and sum(contradictions) >= ALTERNATING:
             name = frame_text(address, b"").partition("#")[0]
             report = Report(
                 what=f"{pdo.title} of node {pdo.node} alternates between {frame_text(address, other)} and "
@@ -209,17 +211,11 @@ def _contradict(one: Objects, other: Objects) -> bool:
     """Return whether two set-points cannot be those of one sender that goes from cycle to cycle."""
     for (address, first), (_, second) in zip(one, other, strict=False):
         if address == od.CONTROLWORD:
-            if (first ^ second) & ~_BY_MODE:
+            if (first ^ second) & ~_CHANGES:
                 return True
         elif abs(first - second) > max(LEAST, abs(first) / PART, abs(second) / PART):
             return True
     return False
-
-
-def _alternating(payloads: deque[bytes]) -> int:
-    """Return how often a payload is that before the last one, and not the last one."""
-    kept = list(payloads)
-    return sum(kept[place] == kept[place - 2] != kept[place - 1] for place in range(2, len(kept)))
 
 
 def _error_text(address: int, payload: bytes) -> str:

@@ -52,7 +52,8 @@ class Transfers:
                 self._unanswered(node, at)
             if target.index in _PARAMETERS or target.index in _FOLLOWED:
                 self._set_up(node, at, address, payload, target)
-            node.request = Request(at, address, payload, target, specifier == _DOWNLOAD)
+            write, stopped = specifier == _DOWNLOAD, node.network is NmtState.STOPPED
+            node.request = Request(at, address, payload, target, write, stopped)
 
     def _set_up(
         self, node: NodeState, at: Nanoseconds, address: int, payload: bytes, target: Address
@@ -66,8 +67,11 @@ class Transfers:
             return
         if target == od.PRODUCER_HEARTBEAT:
             node.beats.set((value & 0xFFFF) * MILLISECOND)
-        elif target.index == od.CONSUMER_HEARTBEAT_1.index and target.subindex and value >> 16 & 0x7F:
-            self._bus.watched[value >> 16 & 0x7F] = (value & 0xFFFF) * MILLISECOND
+        elif target.index == od.CONSUMER_HEARTBEAT_1.index and target.subindex:
+            watched = value >> 16 & cia301.NODE_MASK
+            waits = (value & 0xFFFF) * MILLISECOND
+            self._bus.consumers[node.node, target.subindex] = (watched if waits else 0, waits)
+            self._bus.controllers |= {watched} - {0}
 
     def answered(self, at: Nanoseconds, address: int, payload: bytes) -> None:
         """Take a node's SDO answer."""
@@ -157,7 +161,7 @@ class Transfers:
         if request is None or not node.seen:
             return
         causes: tuple[str, ...] = ()
-        if node.network is NmtState.STOPPED:
+        if request.stopped:
             causes = ("its NMT state is stopped: there it has no SDO",)
         elif node.silent or node.sent_at < request.at - 10 * SECOND:
             causes = (f"it was silent: its last frame came {to_seconds(at - node.sent_at):.1f} s before",)

@@ -260,3 +260,80 @@ def test_mistakes_are_reported_in_one_line(
     assert found.exit_code == 2, found.output
     (line,) = found.stderr.splitlines()
     assert reported in line
+
+
+REPEATED = (
+    LOG
+    + """(1577836800.400000) can0 183#3707
+(1577836800.500000) can0 183#3702
+(1577836800.600000) can0 000#8104
+(1577836800.700000) can0 604#4041600000000000
+(1577836800.800000) can0 080#
+"""
+)
+
+
+def shown(tmp_path: Path, *words: str) -> list[str]:
+    """Return the lines of a log, without the instants."""
+    log = tmp_path / "can.log"
+    log.write_text(REPEATED)
+    result = run("--log", str(log), "--device", "epos2", *words)
+    assert result.exit_code == 0, result.output
+    return [line.split(maxsplit=2)[2] for line in result.stdout.splitlines()]
+
+
+def test_each_frame_is_a_line_in_words(tmp_path: Path) -> None:
+    lines = shown(tmp_path, "--lines")
+    assert len(lines) == REPEATED.count("\n")
+    assert [line.split()[0] for line in lines] == [
+        "703", "703", "083", "183", "183", "183", "000", "604", "080"
+    ]  # fmt: skip
+    assert "EMCY node 3: under-voltage" in lines[2].replace("0x3220, ", "")
+    assert "NMT reset node, node 4" in lines[6]
+    assert "read" in lines[7]
+
+
+def test_changes_leave_out_what_repeats(tmp_path: Path) -> None:
+    lines = shown(tmp_path, "--changes", "--filter", "pdo")
+    assert [line.split()[0] for line in lines if line.startswith("183")] == ["183", "183"]
+    assert not [line for line in lines if line.startswith(("703", "000"))]
+
+
+@pytest.mark.parametrize(
+    ("words", "identifiers"),
+    [
+        (("--filter", "nmt,sync"), ["000", "080"]),
+        (("--filter", "180-1FF"), ["183", "183", "183"]),
+        (("--filter", "0x703,emergency"), ["703", "703", "083"]),
+        (("--node", "4"), ["000", "604", "080"]),
+        (("--node", "3", "--filter", "heartbeat"), ["703", "703"]),
+        (("--filter", "lss"), []),
+    ],
+)
+def test_frames_are_chosen_by_service_identifier_and_node(
+    tmp_path: Path, words: tuple[str, ...], identifiers: list[str]
+) -> None:
+    assert [line.split()[0] for line in shown(tmp_path, "--lines", *words)] == identifiers
+
+
+def test_on_a_bus_frames_are_lines_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    result = on_scripted(monkeypatch, "--lines", "--node", "3")
+    assert "083 EMCY node 3" in result.stdout.replace("0.000 s", "").replace("   ", " ").replace("  ", " ")
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (("--filter", "sdo"), "add --lines or --changes"),
+        (("--node", "3"), "add --lines or --changes"),
+        (("--lines", "--filter", "sod"), "--filter sod: give nmt"),
+        (("--lines", "--filter", "1FF-180"), "--filter 1FF-180"),
+        (("--lines", "--node", "x"), "--node x"),
+    ],
+)
+def test_a_wrong_choice_of_frames_is_one_message(tmp_path: Path, words: tuple[str, ...], reason: str) -> None:
+    log = tmp_path / "can.log"
+    log.write_text(LOG)
+    result = run("--log", str(log), *words)
+    assert result.exit_code == 2
+    assert reason in " ".join(result.stderr.split())
