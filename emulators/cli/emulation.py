@@ -65,13 +65,16 @@ def run(given: RunOptions, emulation: Emulation) -> None:
     from firmware_bridge.runtime.ports import PortError
 
     box = recording(getattr(given, "record", None), emulation.files, called=emulation.called)
+    place = getattr(given, "control", NONE)
     with box as (around, report):
+        # Before the ports: a host that has opened one must not wait for it.
+        live = None if emulation.live is None or place == NONE else emulation.live()
         with one_message(PortError):
             openers, where = emulation.opened()
         node = emulation.around(around(emulation.node))
         clock = LivedClock()
-        if emulation.live is not None and (place := getattr(given, "control", NONE)) != NONE:
-            node, openers = _controlled(node, openers, emulation.live(), place, (report, clock))
+        if live is not None:
+            node, openers = _controlled(node, openers, live, place, (report, clock))
         carry(
             node,
             openers,

@@ -38,7 +38,7 @@ EXAMPLES: Final = """Examples:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExplainOptions:
-    """Explain a recording of a CAN bus: incidents, causes, recovery, and drives that do not move.
+    """Explain a recording of a CAN bus, or a code: incidents, causes, why a drive does not move.
 
     It reads candump's logs (also .gz and .xz), .asc, .blf and .trc, pcap and pcapng with SocketCAN frames,
     and the folder of a run. In place of a recording it takes a number: an error code, an SDO abort code, a

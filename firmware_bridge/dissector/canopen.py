@@ -7,6 +7,7 @@ defaults of the node's family; bytes that do not fit its mapping are left as the
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 from firmware_bridge.canopen import cia301, sdo
@@ -290,7 +291,11 @@ SERVICE_NAMES: Final = (*dict.fromkeys(service.name for service in SERVICES), PD
 
 def service_of(packet: Packet) -> Service | None:
     """Return the service that a data frame with 11 bits belongs to; None for a PDO, and for no CANopen."""
-    number = identifier(packet.address)
+    return _service_of(identifier(packet.address))
+
+
+@lru_cache(maxsize=4096)
+def _service_of(number: int) -> Service | None:
     for service in SERVICES:
         # EMCY and SYNC share 0x080: SYNC is the identifier itself, EMCY has a node's number added.
         if number - service.base in service.added:

@@ -40,6 +40,9 @@ class Nodes:
         self._written: dict[int, dict[Address, int]] = {}
         """The writes to each node, as far as they matter for reading."""
         self._saved: dict[int, dict[Address, int]] = {}
+        # Most frames are PDOs, and their settings rarely change: found once, until something is written.
+        self._found: dict[int, tuple[tuple[int, str, int], ...]] = {}
+        self._mappings: dict[tuple[int, int], tuple[MappingEntry, ...]] = {}
 
     @property
     def known(self) -> tuple[int, ...]:
@@ -57,6 +60,7 @@ class Nodes:
     def is_of(self, node: int, dictionary: Dictionary) -> None:
         """Read a node by this dictionary from now on."""
         self._dictionaries[node] = dictionary
+        self._look_again()
 
     def identified(self, node: int) -> bool:
         """Return whether a node's maker is known, and with him its default mapping."""
@@ -64,6 +68,8 @@ class Nodes:
 
     def note(self, node: int, address: Address, raw: bytes) -> None:
         """Take note of what is written to a node."""
+        if node not in self._written:
+            self._look_again()
         written = self._written.setdefault(node, {})
         # 0x1010: what was written until now survives a reset (CiA 301).
         if address == _SAVE:
@@ -71,6 +77,8 @@ class Nodes:
         row = self.of(node).rows.get(address)
         if row is not None and row.type.size:
             written[address] = row.type.decode(raw[: row.type.size])
+            if address.index in _PDO_OBJECTS:
+                self._look_again()
 
     def expect(self, node: int, written: Iterable[tuple[Address, bytes]]) -> None:
         """Take a node for set up like this from the start, and after each restart."""
@@ -86,6 +94,7 @@ class Nodes:
     def forget(self, node: int) -> None:
         """Know of a node that restarts only what it has saved."""
         self._written[node] = dict(self._saved.get(node, {}))
+        self._look_again()
 
     def entry(self, node: int, index: int, subindex: int) -> int:
         """Return a number in a node's dictionary: what was written, or its default."""
@@ -111,8 +120,18 @@ class Nodes:
         unit = read.rows.unit_of(address)
         return number + (f" {unit}" if unit else "") + (f" ({', '.join(text)})" if text else "")
 
-    def candidates(self, number: int) -> Iterator[tuple[int, str, int]]:
-        """Yield node, title and index of the mapping of each PDO that has this identifier now."""
+    def candidates(self, number: int) -> tuple[tuple[int, str, int], ...]:
+        """Return node, title and index of the mapping of each PDO that has this identifier now."""
+        found = self._found.get(number)
+        if found is None:
+            found = self._found[number] = tuple(self._candidates(number))
+        return found
+
+    def _look_again(self) -> None:
+        self._found.clear()
+        self._mappings.clear()
+
+    def _candidates(self, number: int) -> Iterator[tuple[int, str, int]]:
         predefined = number & cia301.NODE_MASK
         # Nodes that were written to may use any identifier, so they come first.
         for node in dict.fromkeys((*self._written, predefined)):
@@ -129,8 +148,9 @@ class Nodes:
 
     def contents(self, node: int, mapping: int, payload: bytes) -> list[tuple[Address, bytes]]:
         """Return each mapped object with its bytes; none where the bytes are not those of the mapping."""
-        count = min(self.entry(node, mapping, 0), MAX_ENTRIES)
-        entries = [MappingEntry.decode(self.entry(node, mapping, place + 1)) for place in range(count)]
+        entries = self._mappings.get((node, mapping))
+        if entries is None:
+            entries = self._mappings[node, mapping] = self._mapped_entries(node, mapping)
         # Decoded by a wrong mapping the values would look plausible.
         if sum(entry.bits for entry in entries) != 8 * len(payload):
             return []
@@ -140,6 +160,10 @@ class Nodes:
             found.append((entry.address, payload[begin:end]))
             begin = end
         return found
+
+    def _mapped_entries(self, node: int, mapping: int) -> tuple[MappingEntry, ...]:
+        count = min(self.entry(node, mapping, 0), MAX_ENTRIES)
+        return tuple(MappingEntry.decode(self.entry(node, mapping, place + 1)) for place in range(count))
 
     def fields(self, node: int, mapping: int, payload: bytes) -> list[str]:
         """Return name and value of each mapped object; none where the bytes are not those of the mapping."""

@@ -21,6 +21,8 @@ class BusState:
     bit_rate: int
     nodes: dict[int, NodeState] = field(default_factory=dict)
     now: Nanoseconds = 0
+    undecoded: set[int] = field(default_factory=set)
+    """Nodes with PDOs whose mapping is not known."""
     first_at: Nanoseconds | None = None
     frames: int = 0
     consumers: dict[tuple[int, int], tuple[int, Nanoseconds]] = field(default_factory=dict)

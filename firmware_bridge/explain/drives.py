@@ -152,6 +152,7 @@ class Drives:
             return
         if old is PowerState.OPERATION_ENABLED:
             node.left_at = at
+            self._after_emergency(at, node)
         title = "no state of a drive" if state is None else state.title
         if state in FAULTS and old not in FAULTS:
             what = f"it went to {title}" if old is not None else f"it is in {title} from the beginning"
@@ -160,6 +161,16 @@ class Drives:
             self._quick_stop(at, node, frame)
         elif old is PowerState.OPERATION_ENABLED and state is not None and _still_commanded(node):
             self._defer(kinds.LOST_ENABLE, at, node, f"it went to {title}", frame)
+
+    def _after_emergency(self, at: Nanoseconds, node: NodeState) -> None:
+        """Add to an emergency what has followed it."""
+        reported, state = self._bus.incidents.recent(kinds.EMERGENCY, at - NEAR, node.node), node.drive.state
+        if reported is not None and at - reported.last_at <= NEAR and state is not None:
+            after = to_seconds(at - reported.last_at) * 1000
+            reported.consequence = (
+                f"it was enabled, and went to {state.title} {after:.1f} ms later: it stops, and its power "
+                "stage goes off"
+            )
 
     def _quick_stop(self, at: Nanoseconds, node: NodeState, frame: _FrameBytes) -> None:
         if node.drive.command is not ControlwordCommand.QUICK_STOP:

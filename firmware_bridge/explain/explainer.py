@@ -127,6 +127,8 @@ class BusExplainer:
     def _pdo(self, at: Nanoseconds, address: int, payload: bytes) -> None:
         pdos: tuple[Pdo, ...] = self.state.reader.pdos(address)
         for pdo in pdos:
+            if not pdo.known:
+                self.state.undecoded.add(pdo.node)
             if pdo.transmit:
                 self._drives.sent(at, address, payload, pdo)
             else:
@@ -173,7 +175,10 @@ def explain(frames: Iterable[Frame], setup: Setup, channel: str | None = None) -
 
 
 def remarks(state: BusState) -> Iterable[str]:
-    """Yield what is no incident, and may be why nothing moves."""
+    """Yield what is no incident: PDOs that are not decoded, and drives that have nowhere to go."""
+    if state.undecoded:
+        nodes = ", ".join(map(str, sorted(state.undecoded)))
+        yield f"PDOs of node {nodes} are not decoded: no mapping is known; use --robot, --device or --eds"
     for node in sorted(state.nodes.values(), key=lambda one: one.node):
         drive = node.drive
         if not drive.enabled or node.motion.ever_moved or drive.target not in drive.targets:

@@ -149,13 +149,15 @@ class NodesWatch:
         self._bus.open(kinds.EMERGENCY, at, report)
 
     def _power(self, node: NodeState, at: Nanoseconds) -> str:
+        """Return what the frames show of the power stage; a change that follows replaces it."""
         drive = node.drive
-        if drive.enabled:
-            return "it was enabled: it stops, and its power stage goes off"
         if drive.state is None:
             return ""
-        left = f" since {to_seconds(at - node.left_at) * 1000:.0f} ms" if node.left_at else ""
-        return f"it is in {drive.state.title}{left}: no power"
+        if drive.enabled:
+            return "it was enabled, and no change of its state was seen after it"
+        passed = at - node.left_at
+        left = f" {to_seconds(passed) * 1000:.0f} ms before" if node.left_at and passed < SECOND else ""
+        return f"it went to {drive.state.title}{left}: no power" if left else f"it was in {drive.state.title}"
 
     def _seen_causes(self, at: Nanoseconds, code: int) -> tuple[str, ...]:
         """Return the causes of a lost connection that the frames show."""
@@ -183,6 +185,8 @@ class NodesWatch:
     def tick(self, now: Nanoseconds) -> None:
         """Report nodes that are overdue."""
         for node in self._bus.nodes.values():
+            if node.reset_at is not None and now - node.reset_at > RESET_WITHIN:
+                node.reset_at = None
             if not node.silent and node.reset_at is None and node.beats.overdue(now, MISSED):
                 self._silent(node)
 

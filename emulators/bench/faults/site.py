@@ -5,9 +5,8 @@ It does not know the individual faults. On real buses it has fewer parts: `emula
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Final, Protocol, runtime_checkable
 
-from emulators.bench.second_station import SecondStation
 from emulators.family import Devices
 from emulators.wires import DatagramWire, Disturbance
 from emulators.wires.adapter import Adapter
@@ -16,6 +15,9 @@ from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds
+
+if TYPE_CHECKING:
+    from emulators.bench.second_station import SecondStation
 
 BRIDGE: Final = "bridge"
 OPERATOR_STATION: Final = "operator"
@@ -142,7 +144,7 @@ class Site:
     """The datagrams of devices, by link."""
     lines: Mapping[str, Wire] = field(default_factory=dict)
     """The serial lines by link."""
-    stations: list[SecondStation] = field(default_factory=list)
+    stations: "list[SecondStation]" = field(default_factory=list)
     """All stations that have joined the operator's link, the newest last."""
     _foreign_nodes: dict[str, WorldNode] = field(default_factory=dict)
     """Foreign nodes by the link on whose bus or line they are."""
@@ -202,6 +204,8 @@ class Site:
 
     def join_station(self, system: int, stick: float, order: str) -> None:
         """Let a second ground station join the operator's link."""
+        from emulators.bench.second_station import SecondStation  # noqa: PLC0415 - with it comes pymavlink
+
         if self.world.here(SECOND_STATION):
             self.world.detach(SECOND_STATION)
         ids = (self.robot.operator.system_id, self.robot.operator.component_id)
