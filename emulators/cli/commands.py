@@ -70,7 +70,7 @@ COMMANDS: Final[tuple[Row, ...]] = (
     CliCommand(
         "inject",
         "emulators.cli.inject:inject",
-        "Inject a fault into emulated devices that run now; set inputs, restart, shut down.",
+        "Inject a fault into emulated devices that run now; or clear, state, set, restart, shutdown.",
     ),
     CliCommand(
         "doctor",

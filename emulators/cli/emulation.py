@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, Protocol, TypeVar
 from typer.core import TyperCommand
 
 from firmware_bridge.cli.commands import command
-from firmware_bridge.cli.console import one_message, refusal, say
+from firmware_bridge.cli.console import one_message, say
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.recorded import recording
 from firmware_bridge.node import Node
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from emulators.control.live_site import Live
     from firmware_bridge.cli.links import Openers
     from firmware_bridge.runtime.clock import LivedClock
+    from firmware_bridge.runtime.ports.control_socket import ControlSocket
 
 UNIX: Final = "unix"
 NONE: Final = "none"
@@ -92,20 +93,27 @@ def _controlled(
 ) -> "tuple[Node, Openers]":
     """Put the control desk around a node, and its port beside the others; `run` has its report and clock."""
     from emulators.control.desk import CONTROL, Desk
+
+    desk = Desk(node, live, *run)
+    return desk, {**openers, CONTROL: lambda: _port(where, live.robot.name)}
+
+
+def _port(where: str, title: str) -> "ControlSocket":
+    """Open the control port; by default devices run without it where that is not possible. PortError."""
     from firmware_bridge.runtime.ports import PortError
     from firmware_bridge.runtime.ports.control_socket import ControlSocket
 
     try:
-        port = ControlSocket(where, live.robot.name)
+        port = ControlSocket(where, title)
     except PortError as error:
         if where != UNIX:
-            raise refusal(str(error)) from None
-        # Devices run without it, as on a machine without a folder for it.
+            raise
+        # As on a machine without a folder for it.
         say(f"without a control port: {error}", err=True)
-        return node, openers
+        return ControlSocket(NONE, title)
     if port.token:
         say(f"control port {port.name}, token {port.token}")
-    return Desk(node, live, *run), {**openers, CONTROL: lambda: port}
+    return port
 
 
 def emulating(options: type[Options], examples: str, start: Callable[[Options], Emulation]) -> TyperCommand:

@@ -109,7 +109,8 @@ class Desk:
             stated = "; ".join(f"{key}: {problem}" for key, problem in problems_of(error, row.fault))
             raise RefusedError(f"{kind}: {stated}") from error
         except FaultError as error:
-            stated = "; ".join(f"{key.partition('.')[2] or key}: {what}" for key, what in error.problems)
+            named = ((key.partition(".")[2], what) for key, what in error.problems)
+            stated = "; ".join(f"{key}: {what}" if key else what for key, what in named)
             raise RefusedError(f"{kind}: {stated}") from error
         where = ", ".join(sorted(fault.targets(robot))) or robot.name
         self._report(f"fault {kind} begins at {fault.at_s:.6f} s: {where}")

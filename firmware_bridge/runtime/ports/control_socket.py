@@ -14,7 +14,7 @@ import stat
 import tempfile
 from contextlib import suppress
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from firmware_bridge.runtime.ports.port import BURST, PortError
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -52,10 +52,12 @@ class ControlSocket:
     """
 
     def __init__(self, where: str, title: str) -> None:
-        """Listen at `unix`, or `tcp` or `tcp:PORT` on loopback; PortError."""
+        """Listen at `unix`, or `tcp` or `tcp:PORT` on loopback, or nowhere with `none`; PortError."""
         self.retry_at: Nanoseconds = NEVER
         self.token = ""
         self._path: Path | None = None
+        self._listener: socket.socket | None = None
+        self.name = where
         way, _, port = where.partition(":")
         try:
             if way == "unix" and not port:
@@ -65,15 +67,16 @@ class ControlSocket:
                 self.token = secrets.token_urlsafe(16)
                 self._listener = socket.create_server((LOOPBACK, int(port or 0)))
                 self.name = f"{LOOPBACK}:{self._listener.getsockname()[1]}"
-            else:
+            elif where != "none":
                 raise PortError(f"--control {where}: give unix, tcp, tcp:PORT or none")
         except OSError as error:
             reason = error.strerror or str(error)
             raise PortError(f"cannot open the control port at {where}: {reason}") from error
-        self._listener.settimeout(0)
         # Its own file can be read whenever one of all these can.
         self._ready: Final = selectors.DefaultSelector()
-        self._ready.register(self._listener, selectors.EVENT_READ)
+        if self._listener is not None:
+            self._listener.settimeout(0)
+            self._ready.register(self._listener, selectors.EVENT_READ)
         self._clients: dict[int, _Client] = {}
         self._count = 0
 
@@ -105,7 +108,7 @@ class ControlSocket:
         lines: list[tuple[int, bytes]] = []
         for key, _ in self._ready.select(0):
             if key.data is None:
-                self._accept()
+                self._accept(key.fileobj)
             else:
                 lines += self._lines_of(key.data)
         return lines[:BURST]
@@ -125,14 +128,15 @@ class ControlSocket:
         for number in tuple(self._clients):
             self._drop(number)
         self._ready.close()
-        self._listener.close()
+        if self._listener is not None:
+            self._listener.close()
         if self._path is not None:
             with suppress(OSError):
                 self._path.unlink(missing_ok=True)
 
-    def _accept(self) -> None:
+    def _accept(self, listener: Any) -> None:
         try:
-            connection, _ = self._listener.accept()
+            connection, _ = listener.accept()
         except OSError:
             return  # it has left again
         if len(self._clients) >= MOST_CLIENTS:

@@ -110,7 +110,7 @@ def test_emulate_serves_the_cameras_beside_a_board(tmp_path: Path, monkeypatch: 
 
     def carried(node: Node, openers: Mapping[str, Any], *_rest: object, clock: Clock) -> None:
         assert isinstance(clock, LivedClock)
-        assert set(openers) == {"serial", "cameras commands", "cameras frames"}
+        assert set(openers) == {"serial", "cameras commands", "cameras frames", "control"}
         node.wake(0)
         node.receive(Packet("cameras commands", 99, packet(MessageId.CONNECT)), 0)
         for now in range(1, 40):
