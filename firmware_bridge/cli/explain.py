@@ -7,16 +7,19 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from firmware_bridge.cli.commands import command, completing
-from firmware_bridge.cli.console import FAILED, WRONG_INPUT, one_message, refusal, say
+from firmware_bridge.cli.bus_options import (
+    BusLinkOption,
+    BusRobotOption,
+    DcfOption,
+    DeviceOption,
+    EdsOption,
+    stated_bus,
+)
+from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import FAILED, one_message, refusal, say
 from firmware_bridge.cli.options import RobotBitRateOption
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from firmware_bridge.canopen.address import Address
-    from firmware_bridge.canopen.object_row import ObjectRow
-    from firmware_bridge.dissector.expected import Expected
     from firmware_bridge.explain.codes import Reading
     from firmware_bridge.explain.explainer import Explained, Setup
 
@@ -54,21 +57,8 @@ class ExplainOptions:
             show_default=False,
         ),
     ]
-    robot: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ROBOT",
-            help="Robot on the bus: a name that `robots` lists, or the path of a robot file.",
-            show_default=False,
-            autocompletion=completing("firmware_bridge.cli.robot_argument:names"),
-        ),
-    ] = None
-    link: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME", help="The bus of a robot with several CAN buses.", show_default="the only one"
-        ),
-    ] = None
+    robot: BusRobotOption = None
+    link: BusLinkOption = None
     channel: Annotated[
         str | None,
         typer.Option(
@@ -80,27 +70,9 @@ class ExplainOptions:
         ),
     ] = None
     bit_rate: RobotBitRateOption = None
-    device: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FAMILY",
-            help="Family of nodes whose PDO mapping was not seen to be written, as epos2: they have "
-            "its defaults.",
-            show_default="by the vendor number that a node reports (0x1018:1), else not known",
-        ),
-    ] = None
-    eds: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Electronic data sheet with such defaults.", show_default=False),
-    ] = None
-    dcf: Annotated[
-        list[Path] | None,
-        typer.Option(
-            metavar="FILE",
-            help="Device configuration file of a node; may be repeated.",
-            show_default=False,
-        ),
-    ] = None
+    device: DeviceOption = None
+    eds: EdsOption = None
+    dcf: DcfOption = None
     as_json: Annotated[bool, typer.Option("--json", help="Print data for programs.")] = False
     as_markdown: Annotated[bool, typer.Option("--markdown", help="Print a table for a CI summary.")] = False
 
@@ -173,73 +145,8 @@ def _setup(given: ExplainOptions) -> "Setup":
     """Return what the options state of the bus."""
     from firmware_bridge.explain.explainer import Setup
 
-    device, sheet = _device(given), _sheet(given)
-    if given.robot is None:
-        if given.link is not None:
-            raise refusal(f"--link {given.link}: only a robot has links; use --robot, too")
-        return Setup(
-            bit_rate=given.bit_rate or BIT_RATE, device=device, sheet=sheet, expected=_configured(given)
-        )
-    # With them come pydantic and every installed robot.
-    from firmware_bridge.cli.robot_argument import find_robot
-    from firmware_bridge.dissector.expected import can_links, expected_on
-
-    robot = find_robot(given.robot)
-    links = can_links(robot)
-    if not links:
-        raise refusal(f"--robot {given.robot}: {robot.name} has no drives on a CAN bus; leave --robot out")
-    link = links[0] if given.link is None and len(links) == 1 else given.link
-    if link not in links:
-        raise refusal(f"{robot.name} is on these buses: {', '.join(links)}; select one with --link")
-    return Setup(
-        bit_rate=given.bit_rate or robot.links[link].rate,
-        device=device,
-        sheet=sheet,
-        expected=(*expected_on(robot, link), *_configured(given)),
-    )
-
-
-def _device(given: ExplainOptions) -> str:
-    from firmware_bridge.dissector.dictionary import dictionaries
-
-    if given.device is None:
-        return ""
-    known = dictionaries()
-    if given.device not in known:
-        raise refusal(f"--device {given.device}: there is {', '.join(known)}; for any other use --eds FILE")
-    return given.device
-
-
-def _rows(given: ExplainOptions) -> "Mapping[Address, ObjectRow]":
-    """Return the objects that a data sheet may have: the named family's, or those of all."""
-    from firmware_bridge.dissector.dictionary import dictionaries
-
-    named, every = _device(given), dictionaries()
-    return {at: row for name in ([named] if named else every) for at, row in every[name].rows.items()}
-
-
-def _sheet(given: ExplainOptions) -> "Mapping[Address, int] | None":
-    from firmware_bridge.runtime.data_sheets import SheetError, defaults
-
-    with one_message(SheetError):
-        return None if given.eds is None else defaults(given.eds, _rows(given)).values
-
-
-def _configured(given: ExplainOptions) -> "tuple[Expected, ...]":
-    """Return the nodes of configuration files; one that names none ends the program with a message."""
-    from firmware_bridge.dissector.expected import Expected
-    from firmware_bridge.runtime.data_sheets import SheetError, configured
-
-    found, rows = [], _rows(given) if given.dcf else {}
-    for file in given.dcf or ():
-        with one_message(SheetError, status=WRONG_INPUT):
-            sheet = configured(file, rows)
-        if not sheet.node:
-            raise refusal(f"--dcf {file}: it names no node; give [DeviceComissioning] its NodeID")
-        # As if a controller had written these values, so that the PDOs' mapping is known.
-        written = tuple((address, rows[address].type.encode(v)) for address, v in sheet.values.items())
-        found.append(Expected(sheet.node, "", written))
-    return tuple(found)
+    bus = stated_bus(given)
+    return Setup(bit_rate=bus.bit_rate, device=bus.device, sheet=bus.sheet, expected=bus.expected)
 
 
 explain: Final = command(EXAMPLES, work=run)(ExplainOptions)

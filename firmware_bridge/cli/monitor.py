@@ -1,7 +1,7 @@
 """`monitor`: a CAN bus decoded, live or from a recording, without a frame of one's own."""
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import chain, islice
@@ -10,8 +10,16 @@ from typing import TYPE_CHECKING, Annotated, Final, TypeAlias
 
 import typer
 
-from firmware_bridge.cli.commands import command, completing
-from firmware_bridge.cli.console import one_message, refusal, say
+from firmware_bridge.cli.bus_options import (
+    BusLinkOption,
+    BusRobotOption,
+    DcfOption,
+    DeviceOption,
+    EdsOption,
+    stated_bus,
+)
+from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import refusal, say
 from firmware_bridge.cli.monitor_files import Frame, candump, foreign, numbered, of_one_bus
 from firmware_bridge.cli.options import (
     ChannelOption,
@@ -26,11 +34,8 @@ from firmware_bridge.runtime import can_files
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 if TYPE_CHECKING:
-    from firmware_bridge.canopen.address import Address
-    from firmware_bridge.canopen.object_row import ObjectRow
     from firmware_bridge.cli.monitor_frames import FrameLines
     from firmware_bridge.dissector.bus_picture import BusPicture
-    from firmware_bridge.dissector.expected import Expected
 
 
 EXAMPLES: Final = """Examples:
@@ -63,23 +68,8 @@ class MonitorOptions:
     interface: InterfaceOption = None
     channel: ChannelOption = None
     bit_rate: RobotBitRateOption = None
-    robot: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ROBOT",
-            help="Robot on the bus: a name that `robots` lists, or the path of a robot file.",
-            show_default=False,
-            autocompletion=completing("firmware_bridge.cli.robot_argument:names"),
-        ),
-    ] = None
-    link: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="The bus of a robot with several CAN buses.",
-            show_default="the only one",
-        ),
-    ] = None
+    robot: BusRobotOption = None
+    link: BusLinkOption = None
     log: Annotated[
         Path | None,
         typer.Option(
@@ -90,27 +80,9 @@ class MonitorOptions:
         ),
     ] = None
     protocol: FirmwareOption = None
-    device: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FAMILY",
-            help="Family of nodes whose PDO mapping was not seen to be written, as epos2: they have "
-            "its defaults.",
-            show_default="by the vendor number that a node reports (0x1018:1), else not known",
-        ),
-    ] = None
-    eds: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Electronic data sheet with such defaults.", show_default=False),
-    ] = None
-    dcf: Annotated[
-        list[Path] | None,
-        typer.Option(
-            metavar="FILE",
-            help="Device configuration file of a node; may be repeated.",
-            show_default=False,
-        ),
-    ] = None
+    device: DeviceOption = None
+    eds: EdsOption = None
+    dcf: DcfOption = None
     lines: Annotated[bool, typer.Option("--lines", help="Each frame in words, a line each.")] = False
     changes: Annotated[
         bool,
@@ -143,9 +115,6 @@ class MonitorOptions:
 DRAW_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
 
 TELEMETRY: Final = ".tlog"
-BIT_RATE: Final = 1_000_000
-"""Bit rate in bit/s, where neither the robot file nor an option gives it."""
-
 _Show: TypeAlias = Callable[[tuple[str, ...]], None]
 
 
@@ -311,68 +280,8 @@ def _picture(given: MonitorOptions) -> "BusPicture":
     """Return a picture without traffic; with the drives of a robot where one was named."""
     from firmware_bridge.dissector.bus_picture import BusPicture
 
-    if given.robot is None:
-        if given.link is not None:
-            raise refusal(f"--link {given.link}: only a robot has links; use --robot, too")
-        return BusPicture(
-            given.bit_rate or BIT_RATE, _configured(given), _sheet(given), device=_device(given)
-        )
-    # With them come pydantic and every installed robot.
-    from firmware_bridge.cli.robot_argument import find_robot
-    from firmware_bridge.dissector.expected import can_links, expected_on
-
-    robot = find_robot(given.robot)
-    links = can_links(robot)
-    if not links:
-        raise refusal(f"--robot {given.robot}: {robot.name} has no drives on a CAN bus; leave --robot out")
-    link = links[0] if given.link is None and len(links) == 1 else given.link
-    if link not in links:
-        raise refusal(f"{robot.name} is on these buses: {', '.join(links)}; select one with --link")
-    # Without the right bit rate the load would be wrong; the frames are decoded all the same.
-    rate = given.bit_rate or robot.links[link].rate
-    expected = (*expected_on(robot, link), *_configured(given))
-    return BusPicture(rate, expected, _sheet(given), device=_device(given))
-
-
-def _device(given: MonitorOptions) -> str:
-    from firmware_bridge.dissector.dictionary import dictionaries
-
-    known = dictionaries()
-    if given.device is not None and given.device not in known:
-        raise refusal(f"--device {given.device}: there is {', '.join(known)}; for any other use --eds FILE")
-    return given.device or ""
-
-
-def _rows(given: MonitorOptions) -> "Mapping[Address, ObjectRow]":
-    """Return the objects that a data sheet may have: the named family's, or those of all."""
-    from firmware_bridge.dissector.dictionary import dictionaries
-
-    named, every = _device(given), dictionaries()
-    return {at: row for name in ([named] if named else every) for at, row in every[name].rows.items()}
-
-
-def _sheet(given: MonitorOptions) -> "Mapping[Address, int] | None":
-    from firmware_bridge.runtime.data_sheets import SheetError, defaults
-
-    with one_message(SheetError):
-        return None if given.eds is None else defaults(given.eds, _rows(given)).values
-
-
-def _configured(given: MonitorOptions) -> "tuple[Expected, ...]":
-    """Return the nodes of configuration files; one that names none ends the program with a message."""
-    from firmware_bridge.dissector.expected import Expected
-    from firmware_bridge.runtime.data_sheets import SheetError, configured
-
-    found, rows = [], _rows(given) if given.dcf else {}
-    for file in given.dcf or ():
-        with one_message(SheetError):
-            sheet = configured(file, rows)
-        if not sheet.node:
-            raise refusal(f"--dcf {file}: it names no node; give [DeviceComissioning] its NodeID")
-        # As if the bridge had written these values, so that the PDOs' mapping is known.
-        written = tuple((address, rows[address].type.encode(v)) for address, v in sheet.values.items())
-        found.append(Expected(sheet.node, "", written))
-    return tuple(found)
+    bus = stated_bus(given)
+    return BusPicture(bus.bit_rate, bus.expected, bus.sheet, device=bus.device)
 
 
 monitor: Final = command(EXAMPLES, work=run)(MonitorOptions)

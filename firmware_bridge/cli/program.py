@@ -35,6 +35,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "firmware_bridge.cli.monitor:monitor",
         "Show a CAN bus decoded: nodes, PDOs, statuswords, emergencies, rates, load, the last error.",
     ),
+    CliCommand(
+        "explain",
+        "firmware_bridge.cli.explain:explain",
+        "Explain a recording of a CAN bus, or a code: incidents, causes, why a drive does not move.",
+    ),
 )
 
 

@@ -84,7 +84,7 @@ class Nodes:
         """Take a node for set up like this from the start, and after each restart."""
         for address, raw in written:
             self.note(node, address, raw)
-        self._saved[node] = dict(self._written[node])
+        self._saved[node] = dict(self._written.get(node, {}))
 
     def mapped(self, node: int, mapping: int) -> bool:
         """Return whether a PDO's mapping was written, so that it need not be taken for the default."""
