@@ -56,9 +56,12 @@ class Bridge:
         trust: Trust = ANY_STATION,
         confirmed: tuple[ConfirmPosition, ...] = (),
         mode: str = "",
+        *,
+        injects: bool = False,
     ) -> None:
         """Take a robot file, its kind, the trusted stations, where axes stand, and the mode to begin in.
 
+        `injects` allows the station in control to inject failures of the operator's link and of a sensor.
         PlanError where a cycle does not fit on a link, ValueError where an axis cannot stand there.
         """
         self._cycle: Final = robot.cycle
@@ -75,6 +78,7 @@ class Bridge:
             modes=tuple(robot_type.modes),
             path_followers=tuple(robot_type.path_followers),
             trust=trust,
+            injects=injects,
         )
         self._permission: Permission = Permission(robot, rules, self._all_drivers, self._outbox, mode)
         self._pipeline: Pipeline = Pipeline(

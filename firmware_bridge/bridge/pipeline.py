@@ -206,7 +206,7 @@ class Pipeline:
     def known(self, now: Nanoseconds) -> AnySnapshot:
         """Return everything known now."""
         all_drivers, permission, operator = self._all_drivers, self._permission, self._operator
-        axes, sensors = all_drivers.feedback, all_drivers.readings(now)
+        axes, sensors = all_drivers.feedback, operator.injection.seen(all_drivers.readings(now))
         facts = Facts(
             now=now,
             armed=permission.armed,

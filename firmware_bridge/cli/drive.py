@@ -162,6 +162,14 @@ class DriveOptions:
             show_default="the whole robot",
         ),
     ] = None
+    allow_fault_injection: Annotated[
+        bool,
+        typer.Option(
+            "--allow-fault-injection",
+            help="Let the station in control inject failures of the operator's link and of the battery's "
+            "sensor (MAV_CMD_INJECT_FAILURE); interlocks and output guard stay as they are.",
+        ),
+    ] = False
     zero: ZeroOption = None
     home: HomeOption = None
     state: Annotated[
@@ -214,7 +222,14 @@ def run(given: DriveOptions) -> None:
         )
         machine, _ = along_path(machine, given.path, given.path_speed)
         robot_type = robot_type_of(machine)
-        bridge = Bridge(machine, robot_type, stamps.trust, confirmed, _mode(given.mode, robot_type))
+        bridge = Bridge(
+            machine,
+            robot_type,
+            stamps.trust,
+            confirmed,
+            _mode(given.mode, robot_type),
+            injects=given.allow_fault_injection,
+        )
     # Read before the run overwrites them: they are offered, and never trusted.
     kept = LastPlaces(state)
     places_before = kept.read()

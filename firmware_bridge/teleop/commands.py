@@ -33,7 +33,6 @@ _TERMINATES: Final = 0.5
 """Threshold of DO_FLIGHTTERMINATION's parameter for a termination (common.xml)."""
 _LARGEST_NUMBER: Final = 0xFFFF
 """MESSAGE_INTERVAL carries 16 bits of a message's number."""
-_LONGEST_INTERVAL_US: Final = 0x7FFF_FFFF
 Action: TypeAlias = Callable[[Command, Incoming], CommandAnswer]
 
 
@@ -57,7 +56,7 @@ def _arm_or_disarm(command: Command, incoming: Incoming) -> CommandAnswer:
 
 
 def _terminate(command: Command, incoming: Incoming) -> CommandAnswer:
-    if _terminates(command):
+    if command.params[0] > _TERMINATES:
         return judged(incoming.request(intent.EmergencyStop(final=True)))
     return denied("termination is undone by a restart of the bridge only")
 
@@ -153,11 +152,12 @@ def _send_interval(command: Command, incoming: Incoming) -> CommandAnswer:
     number = whole(command.params[0])
     if number is None or number > _LARGEST_NUMBER:
         return denied("message interval: parameter 1 must be a message number up to 65535")
-    period = incoming.schedule.period(number)
-    # 0 is a message that is no stream, -1 one that is switched off.
-    interval = 0 if period is None else -1 if period == NEVER else min(period // 1000, _LONGEST_INTERVAL_US)
-    incoming.replies.append(dialect.MAVLink_message_interval_message(number, interval))
+    incoming.send_interval(number)
     return ACCEPTED
+
+
+def _inject(command: Command, incoming: Incoming) -> CommandAnswer:
+    return incoming.inject(command.params[0], command.params[1])
 
 
 def _pause(command: Command, incoming: Incoming) -> CommandAnswer:
@@ -261,10 +261,6 @@ def _zero(command: Command) -> bool:
     return command.params[0] == 0.0
 
 
-def _terminates(command: Command) -> bool:
-    return command.params[0] > _TERMINATES
-
-
 def _stops_by_mode(command: Command) -> bool:
     main, sub = whole(command.params[1]), whole(command.params[2]) or 0
     requested = None if main is None else modes.requested(main, sub, 0)
@@ -281,7 +277,7 @@ class Entry:
     anyone: bool = False
     """True where it is obeyed of a station not in control; its request is judged there once more."""
     stops: Callable[[Command], bool] = lambda _: False
-    """Return whether an command stops: it is carried out each time it is sent, as a repetition, too."""
+    """Return whether a command stops: it is carried out each time it is sent, as a repetition, too."""
 
 
 ROWS: Final = (
@@ -297,7 +293,7 @@ ROWS: Final = (
         _terminate,
         "emergency stop until the bridge is restarted",
         anyone=True,
-        stops=_terminates,
+        stops=lambda command: command.params[0] > _TERMINATES,
     ),
     Entry(
         dialect.MAV_CMD_DO_PAUSE_CONTINUE,
@@ -356,6 +352,7 @@ ROWS: Final = (
         "p1: an axis by its place in the robot file, from 1; p2: its position, read off the robot; "
         "NaN: home it",
     ),
+    Entry(dialect.MAV_CMD_INJECT_FAILURE, _inject, "p1: FAILURE_UNIT; p2: FAILURE_TYPE; if allowed"),
     Entry(dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, _reboot, "refused: never by remote command"),
     Entry(
         MAV_CMD_REQUEST_OPERATOR_CONTROL,
@@ -385,13 +382,13 @@ def requests_stop(message: Message, station: AnyStation) -> bool:
 
 
 def stops(command: Command) -> bool:
-    """Return whether an command stops, in whichever way."""
+    """Return whether a command stops, in whichever way."""
     row = _BY_NUMBER.get(command.number)
     return row is not None and row.stops(command)
 
 
 def obey(command: Command, incoming: Incoming) -> CommandAnswer:
-    """Carry out an command, where it is possible, and where its sender may send it."""
+    """Carry out a command, where it is possible, and where its sender may send it."""
     row = _BY_NUMBER.get(command.number)
     if row is None:
         return UNSUPPORTED

@@ -8,10 +8,12 @@ pressed. An axis that the robot does not read counts for nothing, wherever it st
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from firmware_bridge.intent import NEVER_RECEIVED, AgeLimit, Intent
 from firmware_bridge.mavlink.frames import Message
+from firmware_bridge.mavlink.injection import Injection
 from firmware_bridge.mavlink.modes import DrivingMode
 from firmware_bridge.robot import AnyRobot, UnknownAge
 from firmware_bridge.teleop.station import AnyStation, Motion, Stick, StickAxis, Switch, Unusable, Velocity
@@ -68,9 +70,17 @@ class Driving:
     """The operator's command, and the way of driving that decides which motion commands count."""
 
     def __init__(
-        self, robot: AnyRobot, rows: AnyStation, rest: object, stations: Stations, *, signed: bool
+        self,
+        robot: AnyRobot,
+        rows: AnyStation,
+        rest: object,
+        stations: Stations,
+        *,
+        signed: bool,
+        injection: Injection,
     ) -> None:
         """Begin at rest; where messages are signed, one of unknown age is refused by default."""
+        self.injection: Final = injection
         self.robot: Final = robot
         self.rows: Final = rows
         self.stations: Final = stations
@@ -170,6 +180,16 @@ class Driving:
 
         `deflected` is empty for one that is neutral.
         """
+        if self.injection.on:
+            later = partial(self.take_now, station, message, motion, deflected)
+            if self.injection.holds(now, later):
+                return None
+        return self.take_now(station, message, motion, deflected, now)
+
+    def take_now(
+        self, station: Station, message: Message, motion: Motion, deflected: str, now: Nanoseconds
+    ) -> Unusable | None:
+        """Take a motion command that no injected failure delays, or not any more."""
         # Two stations behind one number: a neutral stick of one of them must not be overruled.
         if deflected and now - station.neutral_at < self.silent_after:
             return Unusable("number", f"a second station calls itself {station.sender}, its stick is neutral")

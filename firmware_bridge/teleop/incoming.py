@@ -16,12 +16,13 @@ from firmware_bridge.intent import (
     ResetOdometry,
     kind_of,
 )
+from firmware_bridge.mavlink.command import ACCEPTED, CommandAnswer
 from firmware_bridge.mavlink.frames import Message, Sequenced, dialect
 from firmware_bridge.mavlink.schedule import Schedule
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.teleop.station import Motion, Unusable
 from firmware_bridge.teleop.stations import Station
-from firmware_bridge.units import Nanoseconds, to_seconds
+from firmware_bridge.units import NEVER, Nanoseconds, to_seconds
 
 if TYPE_CHECKING:
     from firmware_bridge.teleop.operator_link import OperatorLink
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 STOPS: Final = (Disarm, EmergencyStop, Pause)
 """The requests that are obeyed however old they are; no older message undoes one of them."""
 Decide: TypeAlias = Callable[[Request], Answer]
+LONGEST_INTERVAL_US: Final = 0x7FFF_FFFF
+"""MESSAGE_INTERVAL carries 31 bits of a time."""
 _ANSWER_WITHIN_S: Final = 10.0
 """Time for which a station shows its operator the request of another one for control."""
 
@@ -172,6 +175,22 @@ class Incoming:
             return "message interval: send heartbeats first, telemetry goes to stations"
         link.audience.change(source, number, period, link.schedule, self.now)
         return None
+
+    def inject(self, unit: float, kind: float) -> CommandAnswer:
+        """Carry out an injected failure, and report to all operators what is on."""
+        answer = self.link.injection.request(unit, kind)
+        if answer is ACCEPTED:
+            active = ", ".join(self.link.injection.active) or "none"
+            self.link.texts.report(Severity.WARNING, f"injected failures: {active}")
+        return answer
+
+    def send_interval(self, number: int) -> None:
+        """Send the interval of a message to the station's place: 0 is no stream, -1 one that is off."""
+        period = self.schedule.period(number)
+        interval = (
+            0 if period is None else -1 if period == NEVER else min(period // 1000, LONGEST_INTERVAL_US)
+        )
+        self.replies.append(dialect.MAVLink_message_interval_message(number, interval))
 
     def send(self, number: int, which: int = 0) -> bool:
         """Send a message once; False where the bridge has none with this number.

@@ -19,6 +19,7 @@ from firmware_bridge.mavlink.frames import (
     speaks_mavlink_1,
     target_of,
 )
+from firmware_bridge.mavlink.injection import Injection
 from firmware_bridge.mavlink.parameters import GAP, Store
 from firmware_bridge.mavlink.schedule import Schedule
 from firmware_bridge.mavlink.trust import ANY_STATION, Signatures, Stamps, Trust, is_signed
@@ -56,10 +57,11 @@ class OperatorLink:
         modes: tuple[str, ...] = (),
         path_followers: tuple[str, ...] = (),
         trust: Trust = ANY_STATION,
+        injects: bool = False,
     ) -> None:
         """Take the robot, its type's rows, standstill, its rolling axes, modes and path followers.
 
-        `trust` decides whose frames are accepted.
+        `trust` decides whose frames are accepted; `injects` allows a station to inject failures.
         """
         self.robot: Final = robot
         self.rows: Final = rows
@@ -73,7 +75,11 @@ class OperatorLink:
         self.store: Final = Store(parameters_of(robot, rows.parameters, self.schedule), gap)
         signed = trust.key is not None
         self.stations: Final = Stations(signed=signed)
-        self.driving: Final = Driving(robot, rows, rest, self.stations, signed=signed)
+        battery = None if robot.battery is None else robot.battery.sensor
+        self.injection: Final = Injection(battery, allowed=injects)
+        self.driving: Final = Driving(
+            robot, rows, rest, self.stations, signed=signed, injection=self.injection
+        )
         self.status: Final = Status(
             self.driving, self.codec.counters, self.streams, rolling=rolling, modes=modes
         )
@@ -140,7 +146,7 @@ class OperatorLink:
         for message in self.codec.decode(datagram):
             # The place belongs to it: two stations may have the same system and component.
             sender = Sender(source, message.get_srcSystem(), message.get_srcComponent())
-            if self._is_foreign(message, sender, now):
+            if self._is_foreign(message, sender, now) or (self.injection.on and self._lost(message)):
                 continue
             doubt = self.signatures.doubt(message, source, now) if self._doubts else None
             if doubt is not None:
@@ -167,6 +173,14 @@ class OperatorLink:
             return ()
         self.audience.received(source, len(datagram), now, beats=beats, old=old)
         return self.audience.answer(source, replies, stations.source, now)
+
+    def _lost(self, message: Message) -> bool:
+        """Return whether an injected failure takes a message; never a stop, or the end of the failure."""
+        if not self.injection.loses():
+            return False
+        commands = message.get_type() in {"COMMAND_LONG", "COMMAND_INT"}
+        ends = commands and message.command == dialect.MAV_CMD_INJECT_FAILURE
+        return not ends and not requests_stop(message, self.rows)
 
     def _is_foreign(self, message: Message, sender: Sender, now: Nanoseconds) -> bool:
         """Return whether a message is not for this robot: our own, one for another, or a radio's."""
@@ -257,6 +271,9 @@ class OperatorLink:
         self, snapshot: AnySnapshot, events: tuple[ActiveInterlock, ...], now: Nanoseconds
     ) -> tuple[Packet, ...]:
         """Return what is due now, in order: texts of what began or ended, telemetry, listed parameters."""
+        if snapshot.facts.emergency_stopped:
+            self.injection.clear()
+        self.injection.go_on(now)
         station, source = self.stations.in_control, self.stations.source
         if station is not None:
             # Before the texts are taken, so that they leave in this cycle.

@@ -60,6 +60,7 @@ class Bench(Generic[G, M, S]):
     requested: list[Request] = field(default_factory=list)
     verdict: Answer | None = None
     trust: Trust = ANY_STATION
+    injects: bool = False
     received: list[Any] = field(default_factory=list)
     """All reported messages."""
 
@@ -80,7 +81,13 @@ class Bench(Generic[G, M, S]):
     def restart(self) -> None:
         """Begin with an operator that has received nothing."""
         self.operator = OperatorLink(
-            self.robot, self.rows, self.rest, rolling=self.rolling, modes=self.modes, trust=self.trust
+            self.robot,
+            self.rows,
+            self.rest,
+            rolling=self.rolling,
+            modes=self.modes,
+            trust=self.trust,
+            injects=self.injects,
         )
 
     @property

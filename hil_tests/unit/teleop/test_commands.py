@@ -79,6 +79,8 @@ TABLE: list[tuple[int, tuple[float, ...], int, list[Request]]] = [
     (262, (5,), DENIED, [Pause()]),
     (262, (NAN,), DENIED, [Pause()]),
     (246, (1,), UNSUPPORTED, []),
+    (420, (105, 1), DENIED, []),
+    (420, (NAN, NAN), DENIED, []),
     (32100, (1,), ACCEPTED, [ChangeDriver()]),
     (32100, (0,), DENIED, []),
     (32100, (2,), DENIED, []),
