@@ -9,19 +9,17 @@ pressed. An axis that the robot does not read counts for nothing, wherever it st
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from firmware_bridge.intent import NEVER_RECEIVED, AgeLimit, Intent
 from firmware_bridge.mavlink.frames import Message
 from firmware_bridge.mavlink.injection import Injection
 from firmware_bridge.mavlink.modes import DrivingMode
 from firmware_bridge.robot import AnyRobot, UnknownAge
+from firmware_bridge.teleop.incoming import UNUSED, Incoming, LastCommand, Lever, Station
 from firmware_bridge.teleop.station import AnyStation, Motion, Stick, StickAxis, Switch, Unusable, Velocity
-from firmware_bridge.teleop.stations import UNUSED, LastCommand, Lever, Station, Stations
+from firmware_bridge.teleop.stations import Stations
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-
-if TYPE_CHECKING:
-    from firmware_bridge.teleop.incoming import Incoming
 
 FULL_STICK: Final = 1000
 AXES: Final[Mapping[StickAxis, tuple[str, int]]] = {
@@ -226,7 +224,7 @@ class Driving:
             self._set_points = False
 
 
-def manual_control(incoming: "Incoming") -> None:
+def manual_control(incoming: Incoming) -> None:
     """Take a MANUAL_CONTROL: its emergency stop of anyone, its buttons and axes of the station in control."""
     message, station, now, link = incoming.message, incoming.station, incoming.now, incoming.link
     driving, buttons = link.driving, int(message.buttons)

@@ -10,7 +10,7 @@ from firmware_bridge.mavlink.frames import Message, dialect, text_of
 from firmware_bridge.mavlink.lacking import LACKING, Refusal
 from firmware_bridge.teleop.commands import change_control, obey, requests_stop, stops
 from firmware_bridge.teleop.driving import Driving, manual_control, pressed, stick_of
-from firmware_bridge.teleop.incoming import Incoming
+from firmware_bridge.teleop.incoming import AnsweredCommand, Incoming, Lever
 from firmware_bridge.teleop.setpoints import (
     channels_of,
     place_of,
@@ -19,7 +19,6 @@ from firmware_bridge.teleop.setpoints import (
     velocity_of,
 )
 from firmware_bridge.teleop.station import Motion, Place, Unusable, Velocity
-from firmware_bridge.teleop.stations import AnsweredCommand, Lever
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 REMEMBERED: Final[Nanoseconds] = 3 * SECOND

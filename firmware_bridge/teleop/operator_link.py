@@ -29,10 +29,10 @@ from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.safety.snapshot import ActiveInterlock, AnySnapshot
 from firmware_bridge.teleop.commands import requests_stop
 from firmware_bridge.teleop.driving import Driving, Dropped
-from firmware_bridge.teleop.incoming import Decide, Incoming
+from firmware_bridge.teleop.incoming import Decide, Incoming, Sender, Station
 from firmware_bridge.teleop.messages import HANDLERS, LATER, stop_for_anybody
 from firmware_bridge.teleop.station import AnyStation
-from firmware_bridge.teleop.stations import MOST_STATIONS, Sender, Station, Stations
+from firmware_bridge.teleop.stations import MOST_STATIONS, Stations
 from firmware_bridge.teleop.status import Status
 from firmware_bridge.teleop.streams import Telemetry, parameters_of, streams_of
 from firmware_bridge.teleop.texts import LinkState, Texts
@@ -153,7 +153,7 @@ class OperatorLink:
                 stopped = self._doubted(message, sender, doubt, now, decide)
                 good, replies = good or bool(stopped), replies + stopped
                 continue
-            station = stations.find(sender)
+            station = stations.of.get(sender) or stations.find(sender)
             if station.receive(message, now):
                 text = f"two stations call themselves {sender}: only the first is in control; renumber one"
                 self.texts.report(Severity.WARNING, text)
@@ -162,7 +162,7 @@ class OperatorLink:
             if handle is not None:
                 drives = stations.in_control is None or station is stations.in_control
                 refusal = None if drives else stations.refusal()
-                incoming = Incoming(self, station, message, now, decide, refusal)
+                incoming = Incoming(self, station, message, now, decide, refusal=refusal)
                 handle(incoming)
                 replies += incoming.replies
             good, old = True, speaks_mavlink_1(message)
@@ -208,7 +208,7 @@ class OperatorLink:
         if requests_stop(message, self.rows):
             # It is no station on record: it may stop the robot, and is forgotten.
             return stop_for_anybody(
-                Incoming(self, Station(sender), message, now, decide, doubt, doubted=True)
+                Incoming(self, Station(sender), message, now, decide, refusal=doubt, doubted=True)
             )
         self.dropped.doubted += 1
         if sender not in self._doubted_before and len(self._doubted_before) < MOST_STATIONS:

@@ -62,3 +62,17 @@ def test_no_attribute_is_a_keyword_of_c() -> None:
         if isinstance(node, ast.Attribute) and node.attr.startswith("_") and node.attr[1:] in KEYWORDS
     }
     assert not guilty
+
+
+def test_no_dataclass_has_a_field_of_a_class_that_is_not_there_yet() -> None:
+    """mypyc evaluates a field's quoted annotation all the same: importing it crashes."""
+    guilty = [
+        f"{file.relative_to(ROOT)}:{field.lineno}"
+        for file in COMPILED
+        for node in ast.walk(ast.parse(file.read_text()))
+        if isinstance(node, ast.ClassDef)
+        and any("dataclass" in ast.unparse(it) for it in node.decorator_list)
+        for field in node.body
+        if isinstance(field, ast.AnnAssign) and isinstance(field.annotation, ast.Constant)
+    ]
+    assert not guilty

@@ -25,9 +25,9 @@ from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.robots.rars.station import STATION
 from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.safety.snapshot import ActiveInterlock, Facts, Snapshot
+from firmware_bridge.teleop.incoming import Station
 from firmware_bridge.teleop.operator_link import OperatorLink
 from firmware_bridge.teleop.station import StationRows
-from firmware_bridge.teleop.stations import Station
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 G = TypeVar("G", bound=Table)

@@ -13,8 +13,8 @@ from firmware_bridge.intent import Answer, EmergencyStop, EnterMode, Pause
 from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.safety.interlock_base import Severity
+from firmware_bridge.teleop.incoming import UNUSED
 from firmware_bridge.teleop.station import Actuator, Fixed, StationRows, Switch, Value
-from firmware_bridge.teleop.stations import UNUSED
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.lanes import examples
 from hil_tests.unit.teleop.bench import acks, event

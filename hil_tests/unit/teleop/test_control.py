@@ -18,7 +18,7 @@ from firmware_bridge.intent import (
 )
 from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.teleop.commands import ROWS
-from firmware_bridge.teleop.stations import LAPSES_AFTER, MOST_STATIONS, Sender
+from firmware_bridge.teleop.stations import LAPSES_AFTER, MOST_STATIONS
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.internet import number_of
 from hil_tests.unit.teleop.bench import in_control
@@ -36,6 +36,7 @@ from hil_tests.unit.teleop.stations import (
 )
 
 if TYPE_CHECKING:
+    from firmware_bridge.teleop.incoming import Sender
     from hil_tests.unit.teleop.bench import RarsBench
 
 ACCEPTED, DENIED, FAILED = 0, 2, 4

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
 from firmware_bridge.intent import Arm, ChangeDriver, Disarm, EmergencyStop
-from firmware_bridge.teleop.stations import LAPSES_AFTER, Sender
+from firmware_bridge.teleop.incoming import Sender
+from firmware_bridge.teleop.stations import LAPSES_AFTER
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.lanes import examples
 from hil_tests.unit.teleop.bench import acks, rars

@@ -8,8 +8,8 @@ import pytest
 
 from firmware_bridge import robot_types
 from firmware_bridge.mavlink.frames import dialect
+from firmware_bridge.teleop.incoming import UNUSED
 from firmware_bridge.teleop.station import USUAL_AXES, StationRows, Stick, StickAxis
-from firmware_bridge.teleop.stations import UNUSED
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.bench import CYCLE, RarsBench, bench_of, rars
 from hil_tests.unit.teleop.received import texts

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from firmware_bridge import robot_types
 from firmware_bridge.mavlink.frames import dialect
 from firmware_bridge.teleop.driving import pressed, stick_of
+from firmware_bridge.teleop.incoming import UNUSED, Lever
 from firmware_bridge.teleop.setpoints import velocity_of
 from firmware_bridge.teleop.station import Stick, Twist, Unusable, Velocity
-from firmware_bridge.teleop.stations import UNUSED, Lever
 from hil_tests.unit.teleop.bench import bench_of, target_message
 from hil_tests.unit.teleop.received import texts
 
