@@ -59,10 +59,10 @@ answers of a board line by line."""
 class MonitorOptions:
     """Show a CAN bus decoded: nodes, PDOs, statuswords, emergencies, rates, load, the last error.
 
-    It sends nothing. On a terminal the display is refreshed; elsewhere each change is a line, and the
-    display comes at the end. A PDO is read by the robot file's mapping, or by one that was seen to be
-    written; the bytes of others are shown as they are. Ends on Ctrl-C. A recording of serial lines or of
-    cameras is shown line by line, by the protocols of --robot.
+    It sends nothing, unless with --ask. On a terminal the display is refreshed; elsewhere each change
+    is a line, and the display comes at the end. A PDO is read by the robot file's mapping, or by one
+    that was seen to be written; the bytes of others are shown as they are. Ends on Ctrl-C. A recording
+    of serial lines or of cameras is shown line by line, by the protocols of --robot.
     """
 
     interface: InterfaceOption = None
@@ -83,6 +83,14 @@ class MonitorOptions:
     device: DeviceOption = None
     eds: EdsOption = None
     dcf: DcfOption = None
+    ask: Annotated[
+        bool,
+        typer.Option(
+            "--ask",
+            help="Read the mapping of each node's PDOs by SDO, the only frames that it sends; no other "
+            "program may be the nodes' SDO client meanwhile.",
+        ),
+    ] = False
     lines: Annotated[bool, typer.Option("--lines", help="Each frame in words, a line each.")] = False
     changes: Annotated[
         bool,
@@ -154,6 +162,8 @@ def run(given: MonitorOptions) -> None:
     """Run `monitor` with these options; an error ends the program with a message."""
     from firmware_bridge.recording import is_chunk
 
+    if given.ask and given.log is not None:
+        raise refusal("--ask: a recording answers no one; leave out --ask or --log")
     if (given.filter_ or given.node) and not (given.lines or given.changes):
         raise refusal("--filter and --node choose among frames: add --lines or --changes")
     if given.log is None:
@@ -228,6 +238,7 @@ def _names_its_side(first: list[tuple[int, str]]) -> bool:
 def _live(given: MonitorOptions, picture: "BusPicture") -> None:
     from rich.live import Live
 
+    from firmware_bridge.cli.monitor_mappings import MappingReader
     from firmware_bridge.cli.monitor_table import drawn
     from firmware_bridge.cli.real_time import carry
     from firmware_bridge.cli.tables import terminal
@@ -246,7 +257,7 @@ def _live(given: MonitorOptions, picture: "BusPicture") -> None:
             stack.callback(_at_the_end, picture)
             node = Listening(picture, lambda texts: _lines(picture, texts), lambda: None)
         carry(
-            node,
+            MappingReader(node, picture) if given.ask else node,
             {CAN: lambda: open_can(given.interface, given.channel, picture.bit_rate, say=say)},
             until(given.duration),
             f"listening on {given.channel or 'the configured bus'}",

@@ -17,7 +17,7 @@ from firmware_bridge.canopen.lss import LssCommand
 from firmware_bridge.canopen.pdo import TRANSMIT_MAPPING
 from firmware_bridge.canopen.time_of_day import decode_time
 from firmware_bridge.dissector.dictionary import Dictionary, dictionaries
-from firmware_bridge.dissector.nodes import Nodes
+from firmware_bridge.dissector.nodes import PDO_OBJECTS, Nodes
 from firmware_bridge.packet import Packet
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE, identifier
 from firmware_bridge.wire.can_error import BUS_OFF, CONTROLLER, RESTARTED
@@ -190,6 +190,8 @@ class Canopen:
                 if raw is None:
                     length = "" if size is None else f" of {size} bytes"
                     return f"{head} {self._nodes.called(node, address)}, segments{length} to come"
+                if address.index in PDO_OBJECTS:
+                    self._nodes.note(node, address, raw)
                 if address == od.VENDOR_ID:
                     self._identified(node, int.from_bytes(raw, "little"))
                 return f"{head} {self._nodes.called(node, address)} = {self._nodes.value(node, address, raw)}"

@@ -19,11 +19,11 @@ from firmware_bridge.dissector.dictionary import Dictionary
 _SAVE: Final = Address(0x1010, 1)
 _IN_BITS: Final = frozenset({od.CONTROLWORD, od.STATUSWORD, od.ERROR_REGISTER})
 """Objects whose value is written in hexadecimal digits, beside COB-IDs and mappings."""
-_PDO_OBJECTS: Final = range(RECEIVE_PARAMETER, TRANSMIT_MAPPING + 0x200)
+PDO_OBJECTS: Final = range(RECEIVE_PARAMETER, TRANSMIT_MAPPING + 0x200)
 
 
 def _in_bits(address: Address) -> bool:
-    if address.index not in _PDO_OBJECTS:
+    if address.index not in PDO_OBJECTS:
         return address in _IN_BITS
     mapping = address.index & 0x200
     return address.subindex in (range(1, MAX_ENTRIES + 1) if mapping else (1,))
@@ -77,7 +77,7 @@ class Nodes:
         row = self.of(node).rows.get(address)
         if row is not None and row.type.size:
             written[address] = row.type.decode(raw[: row.type.size])
-            if address.index in _PDO_OBJECTS:
+            if address.index in PDO_OBJECTS:
                 self._look_again()
 
     def expect(self, node: int, written: Iterable[tuple[Address, bytes]]) -> None:
