@@ -44,6 +44,8 @@ from firmware_bridge.safety.tracking import Followers
 from firmware_bridge.teleop.operator_link import OperatorLink
 from firmware_bridge.units import NEVER, Nanoseconds
 
+STOPPED_AFTER: Final = 3
+"""Cycles without one, as of a bridge that was not run, after which no axis moves on."""
 NO_LEVELS: Final[Mapping[str, Level]] = {}
 
 
@@ -98,6 +100,10 @@ class Pipeline:
     def run(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], tuple[Packet, ...]]:
         """Do one cycle; return what goes to the devices and what to the operator."""
         elapsed = self._elapsed(now)
+        if elapsed > STOPPED_AFTER * self._robot.cycle:
+            # Devices and output guard have stopped the axes: it does not go on from the speed of before.
+            rules = self._permission.rules
+            self._commanded = rules.kinematics.at_standstill(self._commanded, rules.groups)
         self._lapse(now)
         known = self._guide.guided(self.known(now), elapsed)
         decision = self._gate.rule(known)

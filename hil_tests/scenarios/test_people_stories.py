@@ -162,3 +162,12 @@ def test_a_mission_names_its_floor() -> None:
     mission = parse(text, "my.toml", RARS, bench_setup_of(RARS))
     assert plant_parameters(mission.on(RARS))["slope"] == 0.05
     assert "slope" not in plant_parameters(RARS)
+
+
+def test_a_bridge_that_runs_again_does_not_go_on_from_the_speed_of_before(rides: Ridden) -> None:
+    suspended = fault("bridge_suspended", ENDS_S, for_s=0.3)
+    one = rides(*DRIVING, seconds=20, faults=[suspended])
+    one.runs_until(ENDS_S + 0.25)
+    assert one.rig.bridge.seen.commanded.speed_mps == pytest.approx(0.3, abs=0.02)
+    one.runs_until(ENDS_S + 0.31)
+    assert abs(one.rig.bridge.seen.commanded.speed_mps) < 0.1

@@ -14,6 +14,8 @@ from firmware_bridge.units import MILLISECOND, RPM_PER_RAD_S, SECOND, Nanosecond
 
 LONGEST: Final = 2
 """Cycles that a step lasts at most, whatever the time since the one before."""
+STOPPED_AFTER: Final = 3
+"""Cycles without a step, as of a bridge that was not run, after which the guard has stopped the motor."""
 
 
 class _Reversal:
@@ -95,6 +97,9 @@ class Pwm:
 
     def next(self, wanted: float, velocity: float | None, elapsed: Nanoseconds) -> int:
         """Return the PWM, with the motor's sign; `velocity` is None where nothing measures it."""
+        if elapsed > STOPPED_AFTER * self._cycle:
+            self._behind = 0.0
+            return self._reversal.next(0, elapsed)
         return self._reversal.next(self._pwm(wanted, velocity, elapsed), elapsed)
 
     def _pwm(self, wanted: float, velocity: float | None, elapsed: Nanoseconds) -> int:
