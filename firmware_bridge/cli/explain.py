@@ -17,11 +17,12 @@ from firmware_bridge.cli.bus_options import (
 )
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import FAILED, one_message, refusal, say
-from firmware_bridge.cli.options import RobotBitRateOption
+from firmware_bridge.cli.options import FirmwareOption, RobotBitRateOption
 
 if TYPE_CHECKING:
     from firmware_bridge.explain.codes import Reading
     from firmware_bridge.explain.explainer import Explained, Setup
+    from firmware_bridge.explain.line_explainer import Lines
 
 UNREADABLE: Final = 3
 BIT_RATE: Final = 1_000_000
@@ -32,6 +33,8 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge explain can.log --robot rars` names the drives, and knows their PDOs at once.
 
+`firmware-bridge explain serial.log --robot rome --protocol mw`, the bytes of a serial line
+
 `firmware-bridge explain capture.pcapng --device epos2 --markdown >> $GITHUB_STEP_SUMMARY`
 
 `firmware-bridge explain 0x8130`, `firmware-bridge explain 0x06090011`
@@ -41,12 +44,12 @@ EXAMPLES: Final = """Examples:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExplainOptions:
-    """Explain a recording of a CAN bus, or a code: incidents, causes, why a drive does not move.
+    """Explain a recording of a bus or a line, or a code: incidents, causes, why a drive does not move.
 
     It reads candump's logs (also .gz and .xz), .asc, .blf and .trc, pcap and pcapng with SocketCAN frames,
-    and the folder of a run. In place of a recording it takes a number: an error code, an SDO abort code, a
-    statusword or a controlword. Exit status 0: no incident, or the number is known; 1: incidents; 2: a wrong
-    argument, or an unknown number; 3: the recording cannot be read.
+    serial.log of a run or of a device, and the folder of a run. In place of a recording it takes a number: an
+    error code, an SDO abort code, a statusword or a controlword. Exit status 0: no incident, or the number is
+    known; 1: incidents; 2: a wrong argument, or an unknown number; 3: the recording cannot be read.
     """
 
     what: Annotated[
@@ -65,11 +68,12 @@ class ExplainOptions:
             "--channel",
             "-c",
             metavar="BUS",
-            help="One of several buses in the recording.",
+            help="One of several buses or lines in the recording.",
             show_default="each by itself",
         ),
     ] = None
     bit_rate: RobotBitRateOption = None
+    protocol: FirmwareOption = None
     device: DeviceOption = None
     eds: EdsOption = None
     dcf: DcfOption = None
@@ -115,12 +119,18 @@ def _show_readings(given: ExplainOptions, words: str, found: "tuple[Reading, ...
 
 def _explain_log(given: ExplainOptions, path: Path) -> None:
     from firmware_bridge.explain.explainer import explain
+    from firmware_bridge.explain.line_source import beside, line_log
     from firmware_bridge.explain.source import UnreadableError, frames
 
-    setup = _setup(given)
-    notes: list[str] = []
+    notes = list(beside(path))
+    log = line_log(path)
+    if log is None and given.protocol is not None:
+        raise refusal(f"--protocol {given.protocol}: {path} is a recording of frames, not of serial lines")
     with one_message(UnreadableError, status=UNREADABLE):
-        explained = explain(frames(path, notes.append), setup, given.channel)
+        if log is not None:
+            explained = _explain_lines(given, log, notes)
+        else:
+            explained = explain(frames(path, notes.append), _setup(given), given.channel)
     for note in dict.fromkeys(notes):
         say(f"firmware-bridge: {note}", err=True)
     if not explained.frames:
@@ -129,6 +139,43 @@ def _explain_log(given: ExplainOptions, path: Path) -> None:
     _show(given, explained, str(path))
     if explained.incidents:
         raise typer.Exit(FAILED)
+
+
+def _explain_lines(given: ExplainOptions, log: Path, notes: list[str]) -> "Explained":
+    """Explain the lines of a recording, by the robot that is named, or as it was driven."""
+    from firmware_bridge.explain.line_explainer import explain_lines
+    from firmware_bridge.explain.line_source import chunks
+
+    return explain_lines(chunks(log, notes.append), _lines(given, log))
+
+
+def _lines(given: ExplainOptions, log: Path) -> "Lines":
+    """Return what the options, or the file of the run beside the recording, state of the lines."""
+    from firmware_bridge.cli.fitted import linked
+    from firmware_bridge.cli.robot_argument import find_robot
+    from firmware_bridge.dissector import kinds_of
+    from firmware_bridge.explain.explainer import Setup
+    from firmware_bridge.explain.line_explainer import Lines
+    from firmware_bridge.family import LinkOptions, family_of
+    from firmware_bridge.node import CAN, SERIAL
+    from firmware_bridge.robot import RobotFileError
+    from firmware_bridge.runtime.run_file import read_run
+
+    with one_message(RobotFileError):
+        if given.robot is None:
+            run = read_run(log.parent)
+            robot = None if run is None else run.robot
+        else:
+            robot = find_robot(given.robot)
+        if robot is None:
+            spoken = {} if given.protocol is None else {given.channel or "": given.protocol}
+            return Lines(spoken, Setup(), given.channel)
+        if given.protocol is not None:
+            robot = linked(robot, LinkOptions(given.protocol))
+    # A link with bytes in a log of lines was driven over a line, whatever the robot file gives.
+    kinds = {name: SERIAL if kind == CAN else kind for name, kind in kinds_of(robot).items()}
+    nodes = tuple(one for name, link in robot.links.items() for one in family_of(link).expected(robot, name))
+    return Lines(kinds, Setup(expected=nodes), given.channel)
 
 
 def _show(given: ExplainOptions, explained: "Explained", source: str) -> None:

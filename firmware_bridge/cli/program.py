@@ -38,7 +38,7 @@ COMMANDS: Final[tuple[Row, ...]] = (
     CliCommand(
         "explain",
         "firmware_bridge.cli.explain:explain",
-        "Explain a recording of a CAN bus, or a code: incidents, causes, why a drive does not move.",
+        "Explain a recording of a bus or a line, or a code: incidents, causes, why a drive does not move.",
     ),
 )
 

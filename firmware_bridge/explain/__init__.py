@@ -1,1 +1,1 @@
-"""Recordings of a CAN bus explained: incidents with causes and recovery, drives that do not move, numbers."""
+"""Recordings of CAN buses and serial lines explained: incidents with causes and recovery, and numbers."""

@@ -47,6 +47,8 @@ class Explained:
     began_at: Nanoseconds
     ended_at: Nanoseconds
     remarks: tuple[str, ...] = ()
+    lines: str = ""
+    """The serial lines of the recording, as text; empty for frames of a bus."""
 
 
 class BusExplainer:

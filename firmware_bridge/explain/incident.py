@@ -77,6 +77,8 @@ class Incidents:
     called: dict[int, str] = field(default_factory=dict)
     """Titles of the nodes."""
     bus: str = "the bus"
+    noun: str = "node"
+    """What has a number here: a node, or the motor of a board."""
     found: list[Incident] = field(default_factory=list)
     _open: dict[tuple[str, int | None, Hashable], Incident] = field(default_factory=dict)
 
@@ -85,7 +87,7 @@ class Incidents:
         if node is None:
             return self.bus
         title = self.called.get(node, "")
-        return f"node {node} ({title})" if title else f"node {node}"
+        return f"{self.noun} {node} ({title})" if title else f"{self.noun} {node}"
 
     def open(self, kind: IncidentKind, at: Nanoseconds, report: Report) -> Incident:
         """Add an incident; one of the same kind, node and detail that is open is counted once more."""
@@ -121,6 +123,11 @@ class Incidents:
             ended = self._open.pop(key)
             if recovery:
                 ended.recovery, ended.recovered_at = recovery, at
+
+    def withdraw(self, kind: IncidentKind, since: Nanoseconds) -> None:
+        """Take back the open incidents of a kind that began after an instant: another one has more."""
+        for key in [key for key, one in self._open.items() if key[0] == kind.name and one.at >= since]:
+            self.found.remove(self._open.pop(key))
 
     def quiet_since(self, kind: IncidentKind, before: Nanoseconds, recovery: str) -> None:
         """End the open incidents of a kind that were not seen since `before`."""

@@ -29,7 +29,7 @@ SILENT: Final = IncidentKind(
     "a node is silent",
     (
         "its plug or its supply is out",
-        "its CAN controller has left the bus (bus off)",
+        "its CAN controller has left the bus (bus off), or its driver drops frames",
         "the cable is cut between it and the recording",
         "its producer heartbeat time 0x1017 was changed",
     ),

@@ -45,8 +45,9 @@ def text(explained: Explained, source: str) -> Iterator[str]:
 def verdict(explained: Explained, source: str) -> str:
     """Return the whole in one line."""
     length = to_seconds(explained.ended_at - explained.began_at)
-    nodes = len(explained.nodes)
-    seen = f"{explained.frames} frames, {length:.1f} s, {nodes} node{'' if nodes == 1 else 's'}"
+    seen = (
+        f"{explained.frames} {'chunks' if explained.lines else 'frames'}, {length:.1f} s, {_who(explained)}"
+    )
     groups = grouped(explained.incidents)
     if not groups:
         return f"{source}: no incident ({seen})"
@@ -56,6 +57,15 @@ def verdict(explained: Explained, source: str) -> str:
     open_ = [group for group in groups if any(one.recovered_at is None for one in group)]
     rest = f"; {len(open_)} without recovery" if open_ else ""
     return f"{source}: {many} at {at} s, {_where(groups[0])}: {first.kind.title}{rest} ({seen})"
+
+
+def _who(explained: Explained) -> str:
+    """Return who was seen: nodes, or lines and the nodes behind them."""
+    nodes = len(explained.nodes)
+    seen = f"{nodes} node{'' if nodes == 1 else 's'}"
+    if not explained.lines:
+        return seen
+    return f"{explained.lines}, {seen}" if nodes else explained.lines
 
 
 def markdown(explained: Explained, source: str) -> Iterator[str]:

@@ -23,6 +23,7 @@ Note: TypeAlias = Callable[[str], None]
 RUN_LOG: Final = "can.log"
 """The bus of a run, in its folder."""
 SERIAL_LOG: Final = "serial.log"
+"""The serial lines of a run, in its folder: see `firmware_bridge.explain.line_source`."""
 COMPRESSED: Final[Mapping[str, Callable[..., IO[str]]]] = {".gz": gzip.open, ".xz": lzma.open}
 CAPTURES: Final = (".pcap", ".pcapng", ".cap")
 _MICROSECONDS: Final = 8
@@ -68,13 +69,7 @@ def _of_run(folder: Path) -> Path:
     for name in (RUN_LOG, *(f"{RUN_LOG}{suffix}" for suffix in COMPRESSED)):
         if (folder / name).is_file() and (folder / name).stat().st_size:
             return folder / name
-    if (folder / SERIAL_LOG).is_file() and (folder / SERIAL_LOG).stat().st_size:
-        raise UnreadableError(_serial(folder / SERIAL_LOG))
     raise UnreadableError(f"{folder}: holds no {RUN_LOG} with frames; name the recording itself")
-
-
-def _serial(path: Path) -> str:
-    return f"{path}: recordings of serial lines are not explained yet; `monitor --log` shows them decoded"
 
 
 def _first(path: Path) -> bytes | None:
@@ -163,7 +158,7 @@ def _cut_off(line: str, number: int) -> bool:
 
 def _no_line(path: Path, number: int, line: str) -> str:
     if is_chunk(line):
-        return _serial(path)
+        return f"{path}, line {number}: a line of bytes of a serial line, among frames"
     if "[" in line and "]" in line and line.isascii():
         return f"{path}, line {number}: what candump shows has no times; record it with `candump -L`"
     return (

@@ -16,6 +16,7 @@ from validation.pages import (
     board_fidelity,
     capture_fidelity,
     emergencies,
+    explained_faults,
     faults,
     keys,
     message_page,
@@ -85,6 +86,7 @@ def pages(
         "power-machine.md": _machine(),
         "opcodes.md": _opcodes(commands),
         "faults.md": _faults(),
+        "explained-faults.md": _page(*explained_faults.parts(table)),
         "safety.md": _safety(measured.get("", ())),
         **{
             f"safety/{robot.name}.md": _robots_safety(

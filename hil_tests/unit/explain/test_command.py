@@ -10,6 +10,7 @@ import pytest
 
 from firmware_bridge.cli.explain import explain
 from hil_tests.unit.explain.bus_log import CONTROLWORD, MODE, OFF, STATUSWORD, TARGET_VELOCITY, BusLog
+from hil_tests.unit.explain.line_log import LineLog
 
 
 @dataclass(frozen=True)
@@ -158,3 +159,57 @@ def test_a_bus_that_is_not_in_the_recording_gives_one_message(good: Path) -> Non
     result = run(str(good), "-c", "can7")
     assert result.exit_code == 3
     assert "holds no frame of 'can7'" in result.output
+
+
+@pytest.fixture
+def line(tmp_path: Path) -> Path:
+    log = LineLog()
+    for cycle in range(60):
+        log.exchanges(b"e\r", b"" if 20 <= cycle < 40 else b"1 2 3\r\n")
+    return log.save(tmp_path / "serial.log")
+
+
+@pytest.mark.parametrize("options", [(), ("--protocol", "ros-arduino-bridge"), ("-c", "board")])
+def test_a_recording_of_a_serial_line_is_explained(options: tuple[str, ...], line: Path) -> None:
+    result = run(str(line), *options)
+    assert result.exit_code == 1
+    assert "1.000000 s  line board: no answer to read encoders, and nothing else for 1.1 s" in result.output
+    assert result.output.splitlines()[-1].endswith("(100 chunks, 3.0 s, 1 line)")
+
+
+def test_a_robot_gives_the_protocols_of_its_lines(line: Path) -> None:
+    protocol = ("--robot", "rome", "--protocol", "ros-arduino-bridge")
+    assert "no answer to read encoders" in run(str(line), *protocol).output
+    assert "use --protocol ros-arduino-bridge" in run(str(line), "--robot", "rome", "--protocol", "mw").output
+
+
+def test_a_run_s_folder_with_lines_only_is_explained(line: Path) -> None:
+    (line.parent / "can.log").touch()
+    assert "line board" in run(str(line.parent), "--json").output
+
+
+def test_lines_beside_a_bus_are_not_explained_and_a_note_names_them(line: Path) -> None:
+    BusLog().started().beats(20).save(line.parent / "can.log")
+    result = run(str(line.parent))
+    assert "serial.log is not explained beside can.log" in result.output
+    assert "1 node)" in result.output
+
+
+def test_a_line_that_is_not_in_the_recording_gives_one_message(line: Path) -> None:
+    result = run(str(line), "-c", "arm")
+    assert result.exit_code == 3
+    assert "holds no frame of 'arm'" in result.output
+
+
+def test_a_protocol_is_of_serial_lines_only(good: Path) -> None:
+    result = run(str(good), "--protocol", "mw")
+    assert result.exit_code == 2
+    assert "not of serial lines" in result.output
+
+
+def test_a_damaged_line_ends_with_status_3_and_a_cut_off_end_with_a_note(line: Path) -> None:
+    whole = line.read_text()
+    line.write_text(whole + "(1577836803.0000000")
+    assert "its end is cut off" in run(str(line)).output
+    line.write_text(whole.replace(" R 31", " R 3", 1))
+    assert run(str(line)).exit_code == 3
