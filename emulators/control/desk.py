@@ -44,6 +44,8 @@ class Desk:
         self._faults: Final = Faults(self._site)
         self._settable: Final = Settable(live.devices, live.plant)
         self.finished = False
+        self._sent: list[Packet] = []
+        """What the devices have sent while a request is carried out."""
         self._does: Final[Mapping[str, Callable[[dict[str, Any]], dict[str, Any]]]] = MappingProxyType(
             {
                 "inject": self._inject,
@@ -60,10 +62,10 @@ class Desk:
         if packet.link != CONTROL:
             return self._node.receive(packet, now)
         # The devices come to this instant first, and what it changes leaves at once.
-        before = self._node.wake(now)
+        self._sent = [*self._node.wake(now).sent]
         answer = self._answer(packet.payload)
         after = self._node.wake(now)
-        sent = (*before.sent, *after.sent, Packet(CONTROL, packet.address, line_of(answer)))
+        sent = (*self._sent, *after.sent, Packet(CONTROL, packet.address, line_of(answer)))
         return Reaction(sent, after.wake_at)
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -112,6 +114,12 @@ class Desk:
             named = ((key.partition(".")[2], what) for key, what in error.problems)
             stated = "; ".join(f"{key}: {what}" if key else what for key, what in named)
             raise RefusedError(f"{kind}: {stated}") from error
+        try:
+            # Now, so that what cannot begin is an answer, and not the devices' end.
+            self._sent += self._node.wake(self._live.cluster.now).sent
+        except PlantError:
+            self._faults.forget(number)
+            raise
         where = ", ".join(sorted(fault.targets(robot))) or robot.name
         self._report(f"fault {kind} begins at {fault.at_s:.6f} s: {where}")
         return number

@@ -80,6 +80,13 @@ class Faults:
         """The numbers of those that are on and have an end, the oldest first."""
         return tuple(self._record_of)
 
+    def forget(self, number: int) -> None:
+        """Take no more notice of a fault that could not begin."""
+        self._planned.pop(number, None)
+        at = self._record_of.pop(number, None)
+        if at is not None:
+            del self.records[at]
+
     def clear(self, number: int) -> None:
         """End a fault that is on before its time."""
         self._site.clear(self._planned[number])

@@ -2,10 +2,12 @@
 
 import struct
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
+from emulators.arduino_omni.board import Board
 from emulators.bench.faults import kinds
 from emulators.bench.faults.failures import failures_of
 from firmware_bridge.canopen.cia301 import SDO_REQUEST, SDO_RESPONSE
@@ -212,3 +214,16 @@ def test_shutdown_finishes_the_node(rars: LiveBench) -> None:
 
 def test_a_line_to_a_board_keeps_its_link(rome: LiveBench) -> None:
     assert rome.devices.stations["board"].on.keys() == {SERIAL}
+
+
+def test_what_the_plant_cannot_have_is_an_answer_and_the_devices_live_on(
+    rome: LiveBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    motors = rome.devices.nodes(Board)["board"].motors
+    monkeypatch.setattr(motors, "_load", replace(motors._load, holds=None))  # noqa: SLF001 - another plant
+    refused = rome.refuses("inject", fault="shaft_blocked", keys={"node": "one"})
+    assert "the plant has no input held_one" in refused
+    assert rome.does("state")["faults"] == []
+    assert rome.does("clear")["cleared"] == []
+    number = rome.does("inject", fault="motor_cable_off", keys={"node": "one"})["number"]
+    assert rome.does("clear")["cleared"] == [number]
