@@ -1,7 +1,7 @@
 """A watch over the machine itself: a test in real time that fails on a machine that was late shows nothing.
 
-Assumed: 100 ms. No heartbeat or watchdog of a device is much shorter; on a quiet machine a thread is late by
-less than 1 ms.
+The limit is --late-after, 0.1 s by default (assumed): no heartbeat or watchdog of a device is much shorter; on
+a quiet machine a thread is late by less than 1 ms.
 """
 
 from collections.abc import Iterable
@@ -14,8 +14,6 @@ from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.testing.control import ControlError, of_process
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
-LATE_S: Final = 0.1
-"""The machine was late where this process, or an emulated device, was not run for so long."""
 EVERY: Final[Nanoseconds] = 5 * MILLISECOND
 
 
@@ -43,16 +41,18 @@ class HostWatch:
             self.worst_s = max(self.worst_s, to_seconds(clock.now() - due))
 
 
-def lateness(watch: HostWatch | None, processes: Iterable[Process]) -> str:
-    """Return by how much the machine was late in this test; empty where it was in time."""
+def lateness(watch: HostWatch, processes: Iterable[Process], limit_s: float) -> str:
+    """Return by how much the machine was late in this test; empty where it was in time, or the limit is 0."""
+    if not limit_s:
+        return ""
     found = []
-    if watch is not None and watch.worst_s >= LATE_S:
+    if watch.worst_s >= limit_s:
         found.append(f"this process was not run for {watch.worst_s:.2f} s")
     for process in processes:
         if process.status is None:
             # A program that is no emulation has no control port.
             with suppress(ControlError), of_process(process.pid) as control:
                 stalled_s = float(control.state()["stalled_s"])
-                if stalled_s >= LATE_S:
+                if stalled_s >= limit_s:
                     found.append(f"emulated devices were not run for {stalled_s:.2f} s")
-    return f"{', '.join(found)}, limit {LATE_S:g} s" if found else ""
+    return f"{', '.join(found)}, limit {limit_s:g} s" if found else ""

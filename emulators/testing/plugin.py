@@ -81,6 +81,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         "--report-page", type=Path, metavar="FILE.html", help="write one page about this session's tests"
     )
+    group.addoption(
+        "--late-after",
+        type=float,
+        default=0.1,
+        metavar="SECONDS",
+        help="a test in real time that fails is INVALID where the machine was late by so much; 0: never",
+    )
     group.addoption("--no-pictures", action="store_true", help="failing tests leave their recordings only")
     parser.addini("rig_robot", "the robot of the tests that name none, where --robot is not given")
 
@@ -188,7 +195,7 @@ def _invalid_where_late(item: pytest.Item, report: pytest.TestReport) -> None:
     from emulators.testing.host_watch import lateness  # noqa: PLC0415 - for tests in real time alone
 
     processes: list[Process] = item.stash.get(PROCESSES, [])
-    late = lateness(item.stash[WATCH], processes)
+    late = lateness(item.stash[WATCH], processes, item.config.getoption("--late-after"))
     if late:
         path, line, _ = item.reportinfo()
         failure = report.longreprtext.strip().splitlines()[-1:]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from emulators.testing.host_watch import LATE_S, HostWatch, lateness
+from emulators.testing.host_watch import HostWatch, lateness
 
 pytest_plugins = ["pytester"]
 
@@ -40,11 +40,17 @@ def test_a_failure_on_a_machine_that_was_late_is_invalid(pytester: pytest.Pytest
     result.stdout.fnmatch_lines(["FAILED *test_without_real_time_fails_all_the_same*"])
 
 
+def test_a_failure_counts_where_no_lateness_excuses_it(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(SUSPENDED)
+    result = pytester.runpytest_subprocess(*WORDS, "--late-after=0", "-k", "fails_after")
+    result.assert_outcomes(failed=1)
+
+
 def test_a_watch_that_was_in_time_excuses_nothing() -> None:
     watch = HostWatch()
     watch.end()
-    watch.worst_s = LATE_S / 2
-    assert lateness(watch, []) == ""
-    watch.worst_s = LATE_S
-    assert lateness(watch, []) == "this process was not run for 0.10 s, limit 0.1 s"
-    assert lateness(None, []) == ""
+    watch.worst_s = 0.05
+    assert lateness(watch, [], 0.1) == ""
+    watch.worst_s = 0.1
+    assert lateness(watch, [], 0.1) == "this process was not run for 0.10 s, limit 0.1 s"
+    assert lateness(watch, [], 0.0) == ""

@@ -81,7 +81,7 @@ def outcomes(
         source = source.replace(good, bad)
     (pytester.path / master).write_text(source, encoding="utf-8")
     shutil.copy(EXAMPLES / f"test_{Path(master).stem}.py", pytester.path)
-    words = ("-p", "emulators.testing.plugin", "-p", "no:cacheprovider", *more)
+    words = ("-p", "emulators.testing.plugin", "-p", "no:cacheprovider", "--late-after=0", *more)
     reports = pytester.inline_run(*words, plugins=[imported]).getreports("pytest_runtest_logreport")
     done = [it for it in reports if it.when == "call" or not it.passed]
     return {

@@ -67,7 +67,7 @@ def run(imported: Imported, pytester: pytest.Pytester, home: None) -> Run:
     del home
 
     def within(*args: str) -> pytest.RunResult:
-        words = ("-p", PLUGIN, "-p", "no:cacheprovider", *args)
+        words = ("-p", PLUGIN, "-p", "no:cacheprovider", "--late-after=0", *args)
         return pytester.runpytest_inprocess(*words, plugins=[imported])
 
     return within

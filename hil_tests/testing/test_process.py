@@ -17,7 +17,7 @@ from hil_tests.testing.conftest import Imported
 
 pytest_plugins = ["pytester"]
 
-WORDS = ("-p", "emulators.testing.plugin", "-p", "no:cacheprovider")
+WORDS = ("-p", "emulators.testing.plugin", "-p", "no:cacheprovider", "--late-after=0")
 HANGS = "print('here', flush=True); __import__('threading').Event().wait()"
 
 MASTER = f"""

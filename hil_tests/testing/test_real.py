@@ -153,6 +153,7 @@ def test_the_same_tests_on_real_drives(pytester: pytest.Pytester, imported: Impo
         "emulators.testing.plugin",
         "-p",
         "no:cacheprovider",
+        "--late-after=0",
         "-rs",
         "--robot",
         "rome",
