@@ -1,7 +1,7 @@
 """A watch over the machine itself: a test in real time that fails on a machine that was late shows nothing.
 
-The limit is --late-after, 0.1 s by default (assumed): no heartbeat or watchdog of a device is much shorter; on
-a quiet machine a thread is late by less than 1 ms.
+The limit is --late-after, 0.1 s by default (assumed): no heartbeat or watchdog of a device is much shorter.
+On a quiet machine a thread is late by less than 1 ms.
 """
 
 from collections.abc import Iterable
