@@ -19,7 +19,7 @@ LIVELOCK: Final = 100_000
 
 
 MOST_KEPT: Final = 256
-"""Packets that wait for a node that is suspended: a socket's of Linux, 212,992 bytes with their headers."""
+"""Packets that wait for a node that is suspended; assumed: 212,992 bytes of a socket of Linux, 832 each."""
 
 
 class WorldError(Exception):

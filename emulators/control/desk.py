@@ -21,6 +21,8 @@ from fmu.errors import PlantError
 
 CONTROL: Final = "control"
 """The link of the control port; an address is a client."""
+LARGEST: Final = 1e12
+"""No input of a plant has larger numbers."""
 OFF_S: Final = 0.2
 """Time without supply of a drive that is restarted."""
 
@@ -117,9 +119,9 @@ class Desk:
         try:
             # Now, so that what cannot begin is an answer, and not the devices' end.
             self._sent += self._node.wake(self._live.cluster.now).sent
-        except PlantError:
+        except Exception as error:
             self._faults.forget(number)
-            raise
+            raise RefusedError(f"{kind}: {robot.name} cannot have it: {error}") from error
         where = ", ".join(sorted(fault.targets(robot))) or robot.name
         self._report(f"fault {kind} begins at {fault.at_s:.6f} s: {where}")
         return number
@@ -153,10 +155,12 @@ class Desk:
         if not isinstance(values, dict) or not values:
             raise RefusedError('set: give "values", an object with numbers by name')
         for name, value in values.items():
-            if isinstance(value, bool) or not isinstance(value, int | float):
-                raise RefusedError(f"set: {name} must be a number, but it is {value!r}")
-        for name, value in values.items():
-            self._settable.put(name, float(value))
+            if isinstance(value, bool) or not isinstance(value, int | float) or abs(value) > LARGEST:
+                raise RefusedError(f"set: {name} must be a number up to {LARGEST:g}, but it is {value!r:.40}")
+        # All are possible before the first is set.
+        settings = [self._settable.setting(name, float(value)) for name, value in values.items()]
+        for (name, value), put in zip(values.items(), settings, strict=True):
+            put()
             self._report(f"{name} set to {value:g} at {to_seconds(self._live.cluster.now):.6f} s")
         return {"set": values}
 

@@ -8,8 +8,6 @@ import json
 from typing import Any, Final
 
 VERSION: Final = 1
-LONGEST: Final = 65_536
-"""Bytes of a line; a longer one ends the connection."""
 
 
 class LineError(Exception):
@@ -20,7 +18,8 @@ def request_of(line: bytes) -> dict[str, Any]:
     """Return the request in a line; LineError."""
     try:
         request = json.loads(line)
-    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+    # Beside what is no JSON: numbers of too many digits, and lists in lists without end.
+    except (ValueError, RecursionError) as error:
         raise LineError(f"not a line of JSON: {error}") from error
     if not isinstance(request, dict) or not isinstance(request.get("do"), str):
         raise LineError('a request is an object with "do": "state", for instance')

@@ -1,15 +1,17 @@
 """What may be set on running devices: inputs, supplies, and what the plant declares tunable; a row each."""
 
+import math
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
+from operator import setitem
 from typing import Final
 
 from emulators.family import Devices
 from emulators.servo.axis import ServoAxis
 from emulators.servo.pins import INPUT_PINS
 from firmware_bridge.robot.problems import near
-from fmu.errors import PlantError
 from fmu.plant import FmuPlant
 
 MILLI: Final = 1000
@@ -81,24 +83,22 @@ class Settable:
         """The names, those of the axes first."""
         return tuple(self._names())
 
-    def put(self, name: str, value: float) -> None:
-        """Set a value; SettingError for a name or a value that is not possible."""
+    def setting(self, name: str, value: float) -> Callable[[], None]:
+        """Return what sets a value, or raises PlantError; SettingError for what is not possible."""
+        if not math.isfinite(value):
+            raise SettingError(f"{name}: give a number, not {value}")
         axis_name, _, own = name.rpartition(".")
         axis = self._axes.get(axis_name)
         row = next((row for row in ROWS if row.name == own), None)
         if axis is not None and row is not None:
             if not row.least <= value <= row.most:
                 raise SettingError(f"{name}={value:g}: give {row.least:g} to {row.most:g}: {row.text}")
-            row.put(axis, value)
-        elif name in self._inputs and self._plant is not None:
-            self._plant.inputs[self._plant.input_names.index(name)] = value
-        elif self._plant is not None and name in self._plant.tunable:
-            try:
-                self._plant.change(name, value)
-            except PlantError as error:
-                raise SettingError(str(error)) from error
-        else:
-            raise SettingError(f"no such setting as '{name}'; {near(name, self.names, most=len(self.names))}")
+            return partial(row.put, axis, value)
+        if self._plant is not None and name in self._inputs:
+            return partial(setitem, self._plant.inputs, self._plant.input_names.index(name), value)
+        if self._plant is not None and name in self._plant.tunable:
+            return partial(self._plant.change, name, value)
+        raise SettingError(f"no such setting as '{name}'; {near(name, self.names, most=len(self.names))}")
 
     def _names(self) -> Iterator[str]:
         for axis in self._axes:

@@ -88,6 +88,10 @@ class Injection:
     def clear(self) -> None:
         """End all failures; what was held is forgotten."""
         self.on.clear()
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget what is held: the station has no control any more, or a request has made it obsolete."""
         self._held.clear()
 
     @property

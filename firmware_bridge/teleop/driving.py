@@ -146,6 +146,7 @@ class Driving:
 
     def forget(self) -> None:
         """Forget what of a command does not outlive a change of state."""
+        self.injection.forget()
         self.set_command(self.rows.forgotten(self.intent.command))
 
     def adopt(self, station: Station | None, now: Nanoseconds) -> None:
@@ -153,6 +154,7 @@ class Driving:
 
         What is switched stays as it is.
         """
+        self.injection.forget()
         command: object = self.rows.forgotten(self.intent.command)
         stands = self.applied(NOTHING, command)
         if not isinstance(stands, Unusable):

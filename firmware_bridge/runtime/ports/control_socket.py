@@ -16,7 +16,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
-from firmware_bridge.runtime.ports.port import BURST, PortError
+from firmware_bridge.runtime.ports.port import PortError
 from firmware_bridge.units import NEVER, Nanoseconds
 
 FOLDER: Final = "firmware-bridge"
@@ -111,7 +111,7 @@ class ControlSocket:
                 self._accept(key.fileobj)
             else:
                 lines += self._lines_of(key.data)
-        return lines[:BURST]
+        return lines
 
     def write(self, address: int, payload: bytes, now: Nanoseconds) -> None:
         """Send a line to a client; one that does not read is dropped."""
@@ -170,7 +170,7 @@ class ControlSocket:
         return found
 
     def _admits(self, line: bytes) -> bool:
-        with suppress(ValueError):
+        with suppress(ValueError, RecursionError):
             given = json.loads(line)
             token = given.get("token") if isinstance(given, dict) else None
             return isinstance(token, str) and hmac.compare_digest(token.encode(), self.token.encode())

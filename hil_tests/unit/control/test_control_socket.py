@@ -18,6 +18,8 @@ from firmware_bridge.runtime.ports.control_socket import (
 )
 from firmware_bridge.testing.control import Control, ControlError, control, of_process, running
 
+NESTED = b"[" * 10_000
+
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -90,14 +92,28 @@ def test_a_line_without_an_end_and_one_client_too_many_are_dropped(port: Control
         one.close()
 
 
+def test_no_line_of_many_is_lost(port: ControlSocket) -> None:
+    client = client_of(port)
+    client.sendall(b"x\n" * 500)
+    assert port.read(0) == [(1, b"x")] * 500
+    client.close()
+
+
 def test_over_tcp_the_token_comes_first() -> None:
     port = ControlSocket("tcp", "rars")
     host, _, number = port.name.rpartition(":")
     assert host == "127.0.0.1"
-    for first, admitted in (({"token": port.token}, True), ({"token": "no"}, False), (3, False), ({}, False)):
+    for first, admitted in (
+        ({"token": port.token}, True),
+        ({"token": "no"}, False),
+        (3, False),
+        ({}, False),
+        (NESTED, False),
+    ):
         client = socket.create_connection((host, int(number)), timeout=10)
         port.read(0)
-        client.sendall(json.dumps(first).encode() + b'\n{"do":"state"}\n')
+        line = first if isinstance(first, bytes) else json.dumps(first).encode()
+        client.sendall(line + b'\n{"do":"state"}\n')
         lines: list[tuple[int, bytes]] = []
         for _ in range(3):
             lines += port.read(0)
@@ -106,7 +122,7 @@ def test_over_tcp_the_token_comes_first() -> None:
     port.close()
 
 
-@pytest.mark.parametrize("where", ["tcp:", "tcp:70000", "tcp:x", "unix:/tmp/x", "udp", ""])
+@pytest.mark.parametrize("where", ["tcp:", "tcp:70000", "tcp:x", "unix:x", "udp", ""])
 def test_a_place_that_is_none_is_refused(where: str) -> None:
     if where == "tcp:":
         ControlSocket(where, "rars").close()

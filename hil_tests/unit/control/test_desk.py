@@ -181,6 +181,8 @@ def test_a_board_is_reset_by_its_link(rome: LiveBench) -> None:
         ("set", {"values": {"left.input2": 3}}, "give 0 to 1"),
         ("set", {"values": {"left.inputs": 1}}, "no such setting as 'left.inputs'; perhaps 'left.input"),
         ("set", {"values": {"wheel_radius": 1.0}}, "no such setting as 'wheel_radius'"),
+        ("set", {"values": {"left.input2": 10**400}}, "must be a number up to 1e+12"),
+        ("set", {"values": {"lift_payload": float("nan")}}, "give a number, not nan"),
         ("restart", {}, '"node"'),
         ("restart", {"node": "arm"}, "rars has no node 'arm'"),
     ],
@@ -192,7 +194,15 @@ def test_a_request_that_cannot_be_carried_out_is_answered_in_one_line(
     assert rars.does("state")["faults"] == []
 
 
-@pytest.mark.parametrize("line", [b"", b"inject", b"[]", b'{"do": 3}', b"\xff\xfe", b'{"do": "state"'])
+@pytest.mark.parametrize(
+    "line",
+    [
+        *(b"", b"inject", b"[]", b'{"do": 3}', b"\xff\xfe", b'{"do": "state"'),
+        b"[" * 60_000,
+        b'{"do": ' + b"9" * 5_000 + b"}",
+    ],
+    ids=range(8),
+)
 def test_a_line_that_is_no_request_is_answered(rars: LiveBench, line: bytes) -> None:
     answer = rars.line(line)
     assert (answer["ok"], answer["id"]) == (False, None)
@@ -227,3 +237,10 @@ def test_what_the_plant_cannot_have_is_an_answer_and_the_devices_live_on(
     assert rome.does("clear")["cleared"] == []
     number = rome.does("inject", fault="motor_cable_off", keys={"node": "one"})["number"]
     assert rome.does("clear")["cleared"] == [number]
+
+
+def test_of_several_values_all_are_set_or_none(rars: LiveBench) -> None:
+    before = number_in(answers(rars, LEFT, 0x2071, 1)[0])
+    assert "no such setting" in rars.refuses("set", values={"left.input2": 1, "left.inputs": 1})
+    rars.runs(5)
+    assert number_in(answers(rars, LEFT, 0x2071, 1)[0]) == before

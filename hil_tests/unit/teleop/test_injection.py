@@ -153,3 +153,19 @@ def test_another_failure_is_refused_with_those_that_are_possible(
     assert acks(replies) == [(INJECT, DENIED)]
     assert known in "".join(texts(replies))
     assert bench.operator.injection.active == ()
+
+
+@pytest.mark.parametrize("kind", ["disarmed", "control handed over"])
+def test_what_is_held_does_not_outlive_a_change_of_state(bench: RarsBench, kind: str) -> None:
+    """A command of before must not move the robot when it is armed again, or of another station."""
+    bench.order(400, 1)
+    inject(bench, LINK, DELAYED)
+    bench.stick(x=500)
+    if kind == "disarmed":
+        bench.order(400, 0)
+        bench.order(400, 1)
+    else:
+        bench.order(32100, 0)
+    for _ in range(2 * LATER // CYCLE):
+        bench.report()
+        assert speed(bench) == 0
