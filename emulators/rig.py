@@ -9,6 +9,7 @@ import numpy as np
 from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.columns import SAMPLE_EVERY, Column, Samples, columns_of, electric
 from emulators.bench.faults import BRIDGE, OPERATOR_STATION, SECOND_BRIDGE, Fault, Faults, Site
+from emulators.bench.injected import InjectedFaults
 from emulators.bench.mission import Noise
 from emulators.bench.records import InterlockLog
 from emulators.bench.second_station import SecondStation
@@ -41,7 +42,8 @@ class Rig:
     """A robot on the bench: `run` moves time on; the results are in `samples` and `holds`.
 
     The operator's link delays, jitters and loses by `noise` and `link`, with the run's seed. `confirmed`: the
-    axis positions that the bridge receives at its start.
+    axis positions that the bridge receives at its start. `injects` allows the station in control to inject
+    failures, of the devices, too.
     """
 
     def __init__(
@@ -57,8 +59,10 @@ class Rig:
         realistic_latency: bool = False,
         faults: Sequence[Fault] = (),
         confirmed: tuple[ConfirmPosition, ...] = (),
+        injects: bool = False,
     ) -> None:
         self.robot: Final = robot
+        self._injects: Final = injects
         columns = columns_of(electric(robot), bench_setup.columns)
         outputs = [column.plant for column in columns if column.plant]
         self.devices: Final = devices(
@@ -94,6 +98,8 @@ class Rig:
         self._attach(operator if link == GOOD else _far(operator, link, seed))
         self._site: Final = self._as_site()
         self.faults: Final = Faults(self._site, seed)
+        self._injected: Final = InjectedFaults(robot, self.faults) if injects else None
+        self.bridge.operator.injection.devices = self._injected
         self.faults.plan(faults)
         self.samples: Final = Samples(columns)
         self._holds: Final = InterlockLog(self.bridge.interlock_events)
@@ -153,6 +159,7 @@ class Rig:
         # As the runtime does from its file: the new process is offered the last positions.
         places = self.bridge.places
         self._start_bridge()
+        self.bridge.operator.injection.devices = self._injected
         self.bridge.offer(places)
         self._attach_bridge(self._lines())
 
@@ -180,7 +187,9 @@ class Rig:
             self.world.resume(name)
 
     def _start_bridge(self, confirmed: tuple[ConfirmPosition, ...] = ()) -> None:
-        self.bridge = Bridge(self.robot, robot_type_of(self.robot), confirmed=confirmed)
+        self.bridge = Bridge(
+            self.robot, robot_type_of(self.robot), confirmed=confirmed, injects=self._injects
+        )
         self.guard = guarded(self.bridge, self.robot)
 
     def _lines(self) -> Node:

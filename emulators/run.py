@@ -34,6 +34,8 @@ SLICE: Final[Nanoseconds] = 250 * MILLISECOND
 
 Progress: TypeAlias = Callable[[Nanoseconds], None]
 """Callback with the progress of the run."""
+Carry: TypeAlias = Callable[[Rig, Nanoseconds, Progress], None]
+"""What lets a rig's time pass up to an instant, or to an earlier one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +51,8 @@ class RunOrder:
     plant: Path | None = None
     again: str = ""
     """The line that drives it again, for its page."""
+    operator: Node | None = None
+    """Operator in place of the mission's; with it stations may inject failures of the devices."""
 
     @property
     def duration(self) -> Nanoseconds:
@@ -56,7 +60,16 @@ class RunOrder:
         return from_seconds(self.mission.duration_s)
 
 
-def drive(order: RunOrder, progress: Progress) -> Summary:
+def in_virtual_time(rig: Rig, end: Nanoseconds, progress: Progress) -> None:
+    """Let time pass as fast as the machine can."""
+    until = 0
+    while until < end:
+        until = min(until + SLICE, end)
+        rig.run(until)
+        progress(until)
+
+
+def drive(order: RunOrder, progress: Progress, carry: Carry = in_virtual_time) -> Summary:
     """Drive a mission and leave summary, recordings, pictures and a page in the folder.
 
     PlantError where the plant cannot be used; OSError where the folder cannot be written.
@@ -72,16 +85,13 @@ def drive(order: RunOrder, progress: Progress) -> Summary:
         noise=order.mission.noise,
         link=order.mission.conditions,
         faults=order.mission.fault,
+        injects=order.operator is not None,
     )
     begun = time.perf_counter()
     with recorded(rig, order.folder):
-        until = 0
-        while until < order.duration:
-            until = min(until + SLICE, order.duration)
-            rig.run(until)
-            progress(until)
+        carry(rig, order.duration, progress)
     # Of the run alone: pictures and files come behind.
-    wall_s = time.perf_counter() - begun
+    wall_s, reached = time.perf_counter() - begun, rig.world.now
     rig.finish()
     pilot = operator.pilot if isinstance(operator, HandedOver) else operator
     if isinstance(pilot, PilotedMission) and (refused := pilot.follower.refused):
@@ -90,7 +100,7 @@ def drive(order: RunOrder, progress: Progress) -> Summary:
         robot=order.robot.name,
         mission=order.mission_name,
         seed=order.seed,
-        simulated=order.duration,
+        simulated=reached,
         wall_s=wall_s,
         frames=sum(wire.frames for wire in rig.can_wires.values()),
         bus_load_percent=max((wire.load_percent() for wire in rig.can_wires.values()), default=0.0),
@@ -98,7 +108,7 @@ def drive(order: RunOrder, progress: Progress) -> Summary:
         links_sha256=rig.world.links_sha256,
         guard_refusals=rig.guard.refused,
         cycle=order.robot.cycle,
-        lines=tuple(line.carried(order.robot, order.duration, rig.devices) for line in rig.lines.values()),
+        lines=tuple(line.carried(order.robot, reached, rig.devices) for line in rig.lines.values()),
     )
     axes = electric(order.robot)
     faults = rig.faults.records
@@ -140,6 +150,8 @@ def drive(order: RunOrder, progress: Progress) -> Summary:
 
 def operator_of(order: RunOrder) -> Node:
     """Return the driver of the mission: its operator with a stick, its pilot, or one after the other."""
+    if order.operator is not None:
+        return order.operator
     mission, tremor = order.mission, np.random.default_rng([order.seed, HAND_STREAM])
     hand = ScriptedOperator(order.robot, order.bench_setup, mission, tremor)
     if mission.pilot is None:

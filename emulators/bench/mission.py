@@ -98,6 +98,10 @@ class Mission(Table):
             raise MissionFileError(self.title, Problem("pilot", "no one follows a path, who could predict?"))
         return self.model_copy(update={"pilot": self.pilot.model_copy(update={"predictor": True})})
 
+    def driven_by_stations(self) -> Self:
+        """Return the mission with its faults and conditions; who drives is outside."""
+        return self.model_copy(update={"pilot": None, "step": self.step[:1]})
+
     def over(self, link: str | None, max_delay_s: float | None) -> Self:
         """Return the mission over another link, and with another agreed delay; None: its own.
 

@@ -4,10 +4,11 @@ import shlex
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from emulators.cli.bench_realtime import check, in_real_time, stations_mission
 from emulators.cli.options import PlantOption, SerialOption
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
@@ -20,6 +21,14 @@ from firmware_bridge.cli.options import (
     RobotArgument,
     SlowLinkOption,
 )
+
+if TYPE_CHECKING:
+    from emulators.bench.bench_setup import BenchSetup
+    from emulators.bench.mission import Mission
+    from emulators.bench.summary import Summary
+    from emulators.run import RunOrder
+    from firmware_bridge.robot import AnyRobot
+    from firmware_bridge.robot.path_file import Point
 
 EXAMPLES: Final = """Examples:
 
@@ -34,7 +43,11 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge bench rars --mission pursuit --link delay=0.8 --predictor` follows a circle over the link.
 
-`firmware-bridge bench rars --mission my_mission.toml --seed 7 --out results`"""
+`firmware-bridge bench rars --mission my_mission.toml --seed 7 --out results`
+
+`firmware-bridge bench rars --mission line --realtime` takes faults by `firmware-bridge inject` as it runs.
+
+`firmware-bridge bench rars --realtime --mavlink udpin:127.0.0.1:14550` is driven by a ground station."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,6 +102,34 @@ class BenchOptions:
     ] = False
     path: PathOption = None
     path_speed: PathSpeedOption = None
+    realtime: Annotated[
+        bool,
+        typer.Option(
+            "--realtime", help="At the clock's pace, with a control port for `inject`; Ctrl-C ends the run."
+        ),
+    ] = False
+    control: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WHERE",
+            help="Control port of --realtime, as of `emulate`: unix, tcp, tcp:PORT or none.",
+            show_default="unix",
+        ),
+    ] = None
+    mavlink: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LINK",
+            help="With --realtime: ground stations of this machine drive in place of the mission's operator, "
+            "udpout:127.0.0.1:14550 or udpin:127.0.0.1:PORT.",
+        ),
+    ] = None
+    duration: Annotated[
+        float | None,
+        typer.Option(
+            min=0.1, metavar="SECONDS", help="With --mavlink: end after this time.", show_default="an hour"
+        ),
+    ] = None
 
 
 RESULTS: Final = Path("out")
@@ -96,16 +137,14 @@ RESULTS: Final = Path("out")
 
 def run(given: BenchOptions) -> None:
     """Run the command `bench`; an error ends the program with a message."""
-    from emulators.bench import mission as missions
-    from emulators.bench.along import along_mission
     from emulators.bench.bench_setup import bench_setup_of
     from emulators.bench.mission import MissionFileError
     from emulators.bench.report import show
     from emulators.cli.beginning import report_beginning
     from emulators.cli.fitted import fitted
     from emulators.extras import installed, remedy_of
-    from emulators.progress_bar import progress_bar
-    from emulators.run import RunOrder, drive
+    from emulators.paced import OutsideOperator
+    from emulators.run import RunOrder
     from emulators.servo.bank import ServoError
     from firmware_bridge.bridge.bridge import FAILED as NOT_STARTED
     from firmware_bridge.cli.robot_argument import find_robot
@@ -117,6 +156,7 @@ def run(given: BenchOptions) -> None:
     from firmware_bridge.slow_link.conditions import ConditionsError
     from fmu.errors import PlantError
 
+    check(given)
     with (
         one_message(
             *(MissionFileError, RobotFileError, PathFileError, PlanError),
@@ -126,11 +166,7 @@ def run(given: BenchOptions) -> None:
     ):
         machine, along = fitted(find_robot(given.robot), given)
         bench_setup = bench_setup_of(machine)
-        if given.mission is None and along:
-            name, script = "path", missions.parse(along_mission(along), "--path", machine, bench_setup)
-        else:
-            chosen = given.mission or next(iter(bench_setup.shipped()), "none")
-            name, script = Path(chosen).stem, missions.find(chosen, machine, bench_setup)
+        name, script = _script(given, along, machine, bench_setup)
         script = script.over(given.link, given.max_delay)
         script = script.predicted() if given.predictor else script
         # Only to check it: what is wrong is reported before the plant is built.
@@ -139,19 +175,50 @@ def run(given: BenchOptions) -> None:
             say(f"{name}: good, for {machine.name}")
             return
         folder = given.out or RESULTS / f"{machine.name}-{name}"
-        order = RunOrder(machine, bench_setup, name, script, given.seed, folder, given.plant, _again())
+        outside = None if given.mavlink is None else OutsideOperator()
+        order = RunOrder(
+            *(machine, bench_setup, name, script, given.seed, folder, given.plant, _again()), operator=outside
+        )
         report_beginning(machine, given.plant)
         if not installed("plots"):
             say(f"no pictures this time: {remedy_of('plots')}", err=True)
-        with progress_bar() as bar:
-            task = bar.add_task(f"{machine.name}, {name}", total=order.duration)
-            summary = drive(order, lambda now: bar.update(task, completed=now))
+        summary = _driven(order, given)
     show(terminal(), summary, bench_setup.remarks(machine))
     say(f"results: {folder}/")
     for event in summary.interlock_events:
         # A bridge that did not start is no result: exit status 1.
         if event.name == NOT_STARTED.name:
             raise refusal(f"the run did not start: {event.reason}", FAILED)
+
+
+def _script(
+    given: BenchOptions, along: "tuple[Point, ...]", machine: "AnyRobot", bench_setup: "BenchSetup"
+) -> "tuple[str, Mission]":
+    """Return the mission and its name."""
+    from emulators.bench import mission as missions
+    from emulators.bench.along import along_mission
+
+    if given.mission is None and along:
+        return "path", missions.parse(along_mission(along), "--path", machine, bench_setup)
+    if given.mission is None and given.mavlink is not None:
+        text = stations_mission(given.duration)
+        return "stations", missions.parse(text, "--mavlink", machine, bench_setup)
+    chosen = given.mission or next(iter(bench_setup.shipped()), "none")
+    script = missions.find(chosen, machine, bench_setup)
+    return Path(chosen).stem, script if given.mavlink is None else script.driven_by_stations()
+
+
+def _driven(order: "RunOrder", given: BenchOptions) -> "Summary":
+    """Drive the mission, in virtual time or at the clock's pace."""
+    from emulators.progress_bar import progress_bar
+    from emulators.run import drive
+
+    title = f"{order.robot.name}, {order.mission_name}"
+    if given.realtime:
+        return drive(order, lambda _now: None, in_real_time(given, order, title))
+    with progress_bar() as bar:
+        task = bar.add_task(title, total=order.duration)
+        return drive(order, lambda now: bar.update(task, completed=now))
 
 
 def _again() -> str:

@@ -20,7 +20,7 @@ def emulate_lines(machine: "AnyRobot", given: "RobotOptions") -> Emulation:
     """Make a robot's devices above its plant; one message for what cannot be."""
     from emulators.cli.beginning import report_beginning
     from emulators.cli.beside import beside_of
-    from emulators.control.live_site import Live
+    from emulators.control.live import on_real_links
     from emulators.devices import devices
     from emulators.family import Way, family_of
     from emulators.gateway import Cluster
@@ -64,7 +64,7 @@ def emulate_lines(machine: "AnyRobot", given: "RobotOptions") -> Emulation:
         errors=(PlantError, ServoError),
         files=files,
         called=called,
-        live=lambda: Live(machine, emulated, cluster, emulated.plant),
+        live=lambda: on_real_links(machine, emulated, cluster, emulated.plant),
     )
 
 

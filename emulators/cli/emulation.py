@@ -13,7 +13,7 @@ from firmware_bridge.cli.recorded import recording
 from firmware_bridge.node import Node
 
 if TYPE_CHECKING:
-    from emulators.control.live_site import Live
+    from emulators.control.live import Live
     from firmware_bridge.cli.links import Openers
     from firmware_bridge.runtime.clock import LivedClock
     from firmware_bridge.runtime.ports.control_socket import ControlSocket
@@ -75,7 +75,7 @@ def run(given: RunOptions, emulation: Emulation) -> None:
         node = emulation.around(around(emulation.node))
         clock = LivedClock()
         if live is not None:
-            node, openers = _controlled(node, openers, live, place, (report, clock))
+            node, openers = controlled(node, openers, live, place, (report, clock))
         carry(
             node,
             openers,
@@ -88,7 +88,7 @@ def run(given: RunOptions, emulation: Emulation) -> None:
         say(emulation.ended())
 
 
-def _controlled(
+def controlled(
     node: Node, openers: "Openers", live: "Live", where: str, run: "tuple[Callable[[str], None], LivedClock]"
 ) -> "tuple[Node, Openers]":
     """Put the control desk around a node, and its port beside the others; `run` has its report and clock."""

@@ -38,7 +38,7 @@ def on_buses(
     """
     from emulators.cli.beside import beside_of
     from emulators.cli.watched import RollCalled, duplicates_reported
-    from emulators.control.live_site import Live
+    from emulators.control.live import on_real_links
     from emulators.gateway import Cluster
     from emulators.servo.bank import ServoError
     from fmu.errors import PlantError
@@ -66,7 +66,7 @@ def on_buses(
         files=files,
         called=called,
         around=lambda node: RollCalled(node, places),
-        live=lambda: Live(machine, emulated, cluster, emulated.plant),
+        live=lambda: on_real_links(machine, emulated, cluster, emulated.plant),
     )
 
 

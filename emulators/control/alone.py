@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Final, cast
 
-from emulators.control.live_site import Live
+from emulators.control.live import Live, on_real_links
 from emulators.family import Devices, Station
 from emulators.gateway import Cluster
 from emulators.physics import Motor, Physics
@@ -55,4 +55,4 @@ def alone(
     physics = Physics(_Found(motors), (), MILLISECOND)
     # Only a fault of the plant itself needs it, and this robot has none.
     devices = Devices(stations, physics, cast("FmuPlant", fmu), physics)
-    return Live(robot, devices, cluster, fmu)
+    return on_real_links(robot, devices, cluster, fmu)

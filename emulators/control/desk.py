@@ -6,13 +6,13 @@ from typing import Any, Final, NoReturn
 
 from pydantic import ValidationError
 
-from emulators.bench.faults import Faults, kinds, read
+from emulators.bench.faults import kinds, read
 from emulators.bench.faults.schedule import FaultError
 from emulators.bench.records import FaultRecord
 from emulators.control.lines import VERSION, LineError, line_of, request_of
-from emulators.control.live_site import Live, LiveSite
+from emulators.control.live import Live
 from emulators.control.settable import Settable, SettingError
-from firmware_bridge.node import Node, Stoppable
+from firmware_bridge.node import Finite, Node, Stoppable
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot.problems import near, problems_of
 from firmware_bridge.runtime.clock import LivedClock
@@ -42,10 +42,11 @@ class Desk:
         self._live: Final = live
         self._report: Final = report
         self._clock: Final = clock
-        self._site: Final = LiveSite(live)
-        self._faults: Final = Faults(self._site)
+        self._faults: Final = live.faults
+        self._now: Nanoseconds = 0
+        """The instant of the request, by the clock of the runner."""
         self._settable: Final = Settable(live.devices, live.plant)
-        self.finished = False
+        self._ended = False
         self._sent: list[Packet] = []
         """What the devices have sent while a request is carried out."""
         self._does: Final[Mapping[str, Callable[[dict[str, Any]], dict[str, Any]]]] = MappingProxyType(
@@ -59,12 +60,17 @@ class Desk:
             }
         )
 
+    @property
+    def finished(self) -> bool:
+        """True once a client has ended it, or the devices' time is over."""
+        return self._ended or (isinstance(self._node, Finite) and self._node.finished)
+
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Carry out a request of the control port; pass on everything else."""
         if packet.link != CONTROL:
             return self._node.receive(packet, now)
         # The devices come to this instant first, and what it changes leaves at once.
-        self._sent = [*self._node.wake(now).sent]
+        self._now, self._sent = now, [*self._node.wake(now).sent]
         answer = self._answer(packet.payload)
         after = self._node.wake(now)
         sent = (*self._sent, *after.sent, Packet(CONTROL, packet.address, line_of(answer)))
@@ -79,7 +85,7 @@ class Desk:
         return self._node.stop(now) if isinstance(self._node, Stoppable) else Reaction()
 
     def _answer(self, line: bytes) -> dict[str, Any]:
-        at_s = to_seconds(self._live.cluster.now)
+        at_s = to_seconds(self._live.carrier.now)
         number: Any = None
         try:
             request = request_of(line)
@@ -103,8 +109,8 @@ class Desk:
         """Begin a fault now; return its number."""
         robot, row = self._live.robot, kinds().get(kind)
         try:
-            fault = read({"kind": kind, **keys, "at_s": to_seconds(self._live.cluster.now)}, robot)
-            if problem := fault.real_bus_problem(robot):
+            fault = read({"kind": kind, **keys, "at_s": to_seconds(self._live.carrier.now)}, robot)
+            if not self._live.in_reach and (problem := fault.real_bus_problem(robot)):
                 raise RefusedError(f"{kind}: not on a real bus or line: {problem}")
             number = self._faults.plan([fault])
         except ValidationError as error:
@@ -118,7 +124,7 @@ class Desk:
             raise RefusedError(f"{kind}: {stated}") from error
         try:
             # Now, so that what cannot begin is an answer, and not the devices' end.
-            self._sent += self._node.wake(self._live.cluster.now).sent
+            self._sent += self._node.wake(self._now).sent
         except Exception as error:
             self._faults.forget(number)
             raise RefusedError(f"{kind}: {robot.name} cannot have it: {error}") from error
@@ -135,14 +141,14 @@ class Desk:
         for one in cleared:
             record = self._faults.record_of(one)
             self._faults.clear(one)
-            self._report(f"fault {record.kind} cleared at {to_seconds(self._live.cluster.now):.6f} s")
+            self._report(f"fault {record.kind} cleared at {to_seconds(self._live.carrier.now):.6f} s")
         return {"cleared": list(cleared)}
 
     def _state(self, _request: dict[str, Any]) -> dict[str, Any]:
         return {
             "version": VERSION,
             "emulates": self._live.robot.name,
-            "devices": {name: self._live.cluster.here(name) for name in self._live.devices.stations},
+            "devices": {name: self._live.carrier.here(name) for name in self._live.devices.stations},
             "faults": [
                 {"number": one, **_as_json(self._faults.record_of(one))} for one in self._faults.standing
             ],
@@ -161,7 +167,7 @@ class Desk:
         settings = [self._settable.setting(name, float(value)) for name, value in values.items()]
         for (name, value), put in zip(values.items(), settings, strict=True):
             put()
-            self._report(f"{name} set to {value:g} at {to_seconds(self._live.cluster.now):.6f} s")
+            self._report(f"{name} set to {value:g} at {to_seconds(self._live.carrier.now):.6f} s")
         return {"set": values}
 
     def _restart(self, request: dict[str, Any]) -> dict[str, Any]:
@@ -173,7 +179,7 @@ class Desk:
         return {"number": self._begin("drive_restart", {"node": node, "for_s": OFF_S})}
 
     def _shutdown(self, _request: dict[str, Any]) -> dict[str, Any]:
-        self.finished = True
+        self._ended = True
         return {}
 
 

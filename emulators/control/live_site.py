@@ -19,7 +19,6 @@ from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER, Nanoseconds
-from fmu.plant import FmuPlant
 
 
 class NotOnARealBusError(Exception):
@@ -109,23 +108,10 @@ class NoBridges:
     resume: Callable[[str], None] = _refused
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Live:
-    """Emulated devices in real time, as `emulate` runs them."""
-
-    robot: AnyRobot
-    """Of devices without a robot: a stand-in with their axes and links."""
-    devices: Devices
-    cluster: Cluster
-    plant: FmuPlant | None
-    """What they move; None where it is no FMU."""
-
-
 class LiveSite(Site):
     """The emulated devices of one run."""
 
-    def __init__(self, live: Live) -> None:
-        cluster, robot, devices = live.cluster, live.robot, live.devices
+    def __init__(self, robot: AnyRobot, devices: Devices, cluster: Cluster) -> None:
         self._outer: Final = {
             one.link: {own: cluster.links(name).get(own, own) for own in one.on}
             for name, one in devices.stations.items()

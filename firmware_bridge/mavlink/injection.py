@@ -5,11 +5,12 @@ stop: interlocks and output guard stay as they are. A stop is always received, a
 failures.
 """
 
+import math
 from collections import deque
 from collections.abc import Callable, Mapping
 from enum import Enum
 from types import MappingProxyType
-from typing import Final, TypeVar
+from typing import Final, Protocol, TypeVar
 
 from firmware_bridge.mavlink.command import ACCEPTED, CommandAnswer, denied, whole
 from firmware_bridge.mavlink.frames import dialect
@@ -52,28 +53,61 @@ ROWS: Final[Mapping[int, Mapping[int, Failure]]] = MappingProxyType(
 """Failures by FAILURE_UNIT and FAILURE_TYPE; FAILURE_TYPE_OK ends those of a unit."""
 
 
+class DeviceFailures(Protocol):
+    """The failures of emulated devices; a real robot has none."""
+
+    @property
+    def units(self) -> str:
+        """The units that they have, for people."""
+
+    @property
+    def active(self) -> tuple[str, ...]:
+        """What is on, for people."""
+
+    def request(self, unit: int, type_: int, instance: int) -> CommandAnswer | None:
+        """Carry out one command, by FAILURE_UNIT and FAILURE_TYPE; None where they have no such unit."""
+
+    def clear(self) -> None:
+        """End all of them."""
+
+
 class Injection:
     """The failures that are on."""
 
-    __slots__ = ("_allowed", "_battery", "_held", "_second", "on")
+    __slots__ = ("_allowed", "_battery", "_held", "_second", "devices", "on")
 
     def __init__(self, battery: str | None, *, allowed: bool) -> None:
         """Take the name of the battery's sensor, and whether a station may inject."""
         self._allowed: Final = allowed
         self._battery: Final = battery
+        self.devices: DeviceFailures | None = None
+        """The emulated devices of a bridge on the bench."""
         self.on: Final[set[Failure]] = set()
         """Those that are on."""
         self._second = False
         self._held: deque[tuple[Nanoseconds, Callable[[Nanoseconds], object]]] = deque()
 
-    def request(self, unit: float, kind: float) -> CommandAnswer:
-        """Carry out one command: unit and type of the failure."""
+    def request(self, unit: float, kind: float, instance: float = 0) -> CommandAnswer:
+        """Carry out one command: unit and type of the failure, and the unit's instance, from 1; 0 is all."""
         if not self._allowed:
             return denied(REFUSED)
         number, type_ = whole(unit), whole(kind)
+        # Not a number stands for a parameter that the station does not use.
+        which = whole(0.0 if math.isnan(instance) else instance)
+        if self.devices is not None and number is not None and type_ is not None:
+            if which is None:
+                return denied("inject failure: the instance is a whole number, 0 for all")
+            answer = self.devices.request(number, type_, which)
+            if answer is not None:
+                return answer
+        return self._inside(number, type_)
+
+    def _inside(self, number: int | None, type_: int | None) -> CommandAnswer:
+        """Carry out what concerns the operator's link, or a sensor."""
         failures = None if number is None else ROWS.get(number)
         if failures is None or (number not in _SIGNAL and self._battery is None):
             known = "the link's signals (104, 105)" + ("" if self._battery is None else ", battery (100)")
+            known += "" if self.devices is None else f", {self.devices.units}"
             return denied(f"inject failure: units of this robot are {known}")
         if type_ == dialect.FAILURE_TYPE_OK:
             self.on.difference_update(failures.values())
@@ -88,6 +122,8 @@ class Injection:
     def clear(self) -> None:
         """End all failures; what was held is forgotten."""
         self.on.clear()
+        if self.devices is not None:
+            self.devices.clear()
         self.forget()
 
     def forget(self) -> None:
@@ -97,7 +133,8 @@ class Injection:
     @property
     def active(self) -> tuple[str, ...]:
         """What is on, for people."""
-        return tuple(sorted(one.value for one in self.on))
+        of_devices = () if self.devices is None else self.devices.active
+        return (*sorted(one.value for one in self.on), *of_devices)
 
     def loses(self) -> bool:
         """Return whether the next message is lost."""

@@ -157,7 +157,7 @@ def _send_interval(command: Command, incoming: Incoming) -> CommandAnswer:
 
 
 def _inject(command: Command, incoming: Incoming) -> CommandAnswer:
-    return incoming.inject(command.params[0], command.params[1])
+    return incoming.inject(*command.params[:3])
 
 
 def _pause(command: Command, incoming: Incoming) -> CommandAnswer:

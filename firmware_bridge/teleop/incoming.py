@@ -324,9 +324,9 @@ class Incoming:
         link.audience.change(source, number, period, link.schedule, self.now)
         return None
 
-    def inject(self, unit: float, kind: float) -> CommandAnswer:
+    def inject(self, unit: float, kind: float, instance: float) -> CommandAnswer:
         """Carry out an injected failure, and report to all operators what is on."""
-        answer = self.link.injection.request(unit, kind)
+        answer = self.link.injection.request(unit, kind, instance)
         if answer is ACCEPTED:
             active = ", ".join(self.link.injection.active) or "none"
             self.link.texts.report(Severity.WARNING, f"injected failures: {active}")

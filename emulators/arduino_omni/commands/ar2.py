@@ -18,7 +18,7 @@ from firmware_bridge.runtime.black_box import SERIAL_LOG
 
 if TYPE_CHECKING:
     from emulators.arduino_omni.ar2.board import Ar2Board
-    from emulators.control.live_site import Live
+    from emulators.control.live import Live
     from emulators.gateway import Cluster
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from emulators.arduino_omni.board import Board, Firmware
     from emulators.arduino_omni.faults import Planned
     from emulators.arduino_omni.motors import MotorLoad
-    from emulators.control.live_site import Live
+    from emulators.control.live import Live
     from emulators.gateway import Cluster
 
 

@@ -9,7 +9,7 @@ from emulators.bench.faults.fault import Fault, Problem
 from emulators.bench.faults.reading import misfits
 from emulators.bench.faults.site import Site
 from emulators.bench.records import FaultRecord
-from firmware_bridge.units import NEVER, to_seconds
+from firmware_bridge.units import NEVER, Nanoseconds, to_seconds
 
 FAULT_STREAM: Final = 2
 """The first number beside the run's seed; the second is the fault's own, counted from 0 on this bench."""
@@ -91,6 +91,21 @@ class Faults:
         """End a fault that is on before its time."""
         self._site.clear(self._planned[number])
         self._end(number)
+
+    def end_soon(self, number: int) -> None:
+        """End one within this instant, behind what begins in it; from within the world's own calls."""
+        self._site.world.call_at(self.now, self._clear_or_forget, number)
+
+    @property
+    def now(self) -> Nanoseconds:
+        """The present instant."""
+        return self._site.world.now
+
+    def _clear_or_forget(self, number: int) -> None:
+        if number in self._record_of:
+            self.clear(number)
+        else:
+            self._planned.pop(number, None)
 
     def _begin(self, number: int) -> None:
         fault, world = self._planned[number], self._site.world

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from emulators.canopen.saved_parameters import Storage
-    from emulators.control.live_site import Live
+    from emulators.control.live import Live
     from emulators.servo.axis import ServoAxis
     from emulators.servo.motor import DcMotor
 

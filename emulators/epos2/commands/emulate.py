@@ -25,7 +25,7 @@ from firmware_bridge.recording import device_side
 from firmware_bridge.runtime.black_box import CAN_LOG, SERIAL_LOG
 
 if TYPE_CHECKING:
-    from emulators.control.live_site import Live
+    from emulators.control.live import Live
     from emulators.epos2.drive import Epos2
     from emulators.epos2.mounted import Mounted, ShaftLoad
     from emulators.epos2.single import DrivesOrder

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from typing import Any, Final
 
 from emulators.control.desk import CONTROL, Desk
-from emulators.control.live_site import Live
+from emulators.control.live import on_real_links
 from emulators.devices import devices
 from emulators.family import Way
 from emulators.gateway import Cluster
@@ -32,8 +32,8 @@ class LiveBench:
             for name, one in emulated.stations.items()
         }
         self.reports: Final[list[str]] = []
-        live = Live(robot, emulated, Cluster(members, emulated.physics, links=links), emulated.plant)
-        self.cluster: Final = live.cluster
+        self.cluster: Final = Cluster(members, emulated.physics, links=links)
+        live = on_real_links(robot, emulated, self.cluster, emulated.plant)
         self.desk: Final = Desk(self.cluster, live, self.reports.append)
         self.now: Nanoseconds = 0
         self.sent: Final[list[tuple[Nanoseconds, Packet]]] = []

@@ -1,0 +1,88 @@
+"""A rig whose time passes as fast as a clock outside: a node that real ports can be put to.
+
+Outside are the control port (`emulators.control.desk` stands around this node) and, where stations take the
+place of the mission's operator, their datagrams. All else is as in virtual time, and one seed gives the same
+run as long as nothing comes from outside.
+"""
+
+from collections.abc import Callable
+from typing import Final
+
+from emulators.rig import OPERATOR_STATION, Rig
+from firmware_bridge.node import OPERATOR
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
+
+PACE: Final[Nanoseconds] = 10 * MILLISECOND
+"""Time between two looks at the clock: a station's command waits half of it on average."""
+
+
+class OutsideOperator:
+    """The place in the world of ground stations that are outside of it."""
+
+    def __init__(self) -> None:
+        self.received: list[Packet] = []
+        """Datagrams of the bridge for outside."""
+        self._unsent: list[Packet] = []
+
+    def put(self, packet: Packet) -> None:
+        """Take a datagram from outside; it leaves when the world wakes this node."""
+        self._unsent.append(packet)
+
+    def take(self) -> tuple[Packet, ...]:
+        """Take what the bridge has sent."""
+        taken, self.received = tuple(self.received), []
+        return taken
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Keep a datagram of the bridge."""
+        del now
+        self.received.append(packet)
+        return Reaction()
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Send what has come from outside."""
+        del now
+        sent, self._unsent = tuple(self._unsent), []
+        return Reaction(sent)
+
+
+class PacedRig:
+    """A rig that is carried by the real-time runner up to an instant of its world."""
+
+    def __init__(
+        self,
+        rig: Rig,
+        end: Nanoseconds,
+        operator: OutsideOperator | None = None,
+        progress: Callable[[Nanoseconds], None] | None = None,
+    ) -> None:
+        """Take the rig, its last instant, its operator where that is outside, and what shows the progress."""
+        self._rig: Final = rig
+        self._end: Final = end
+        self._operator: Final = operator
+        self._progress: Final = progress
+
+    @property
+    def finished(self) -> bool:
+        """True at the end of its time."""
+        return self._rig.world.now >= self._end
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Take a station's datagram."""
+        self._run(now)
+        if packet.link == OPERATOR and self._operator is not None:
+            self._operator.put(packet)
+            self._rig.world.rouse(OPERATOR_STATION)
+        return self.wake(now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Let time pass up to this instant."""
+        self._run(now)
+        if self._progress is not None:
+            self._progress(self._rig.world.now)
+        sent = () if self._operator is None else self._operator.take()
+        return Reaction(sent, NEVER if self.finished else min(now + PACE, self._end))
+
+    def _run(self, now: Nanoseconds) -> None:
+        self._rig.run(max(self._rig.world.now, min(now, self._end)))
