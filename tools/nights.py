@@ -81,6 +81,11 @@ STEPS: Final = (
         "the same lines sent to a sketch's binary and to the emulated board",
         ("make compare-sketch",),
     ),
+    Step(
+        "under-load",
+        "300 runs of the stories in real time beside six programs that compute without end",
+        ("tools/with-loopback .venv/bin/python tools/under_load.py",),
+    ),
     Step("site", "the documentation as a site, every warning an error", ("make site",)),
     Step(
         "mutation", "the program, broken in one place at a time", (".venv/bin/python tools/mutate.py -j 2",)
