@@ -120,7 +120,7 @@ class MonitorOptions:
     duration: DurationOption = None
 
 
-DRAW_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
+DRAW_EVERY: Final[Nanoseconds] = 500 * MILLISECOND
 
 TELEMETRY: Final = ".tlog"
 _Show: TypeAlias = Callable[[tuple[str, ...]], None]

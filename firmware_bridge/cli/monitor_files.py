@@ -83,6 +83,6 @@ def of_one_bus(
         if channel in {None, bus}:
             yield at, packet
     if channel is not None and channel not in received:
-        raise refusal(
-            f"{path}: holds no frame of '{channel}', but of {', '.join(sorted(received)) or 'no_one'}"
-        )
+        others = ", ".join(sorted(received))
+        has = f"it holds frames of {others}; name one of these with -c" if others else "it is empty"
+        raise refusal(f"{path}: holds no frame of '{channel}': {has}")

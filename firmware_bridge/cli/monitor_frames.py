@@ -34,6 +34,10 @@ class Chosen:
             named = service_name(packet) in self.services
             if not named and not any(number in one for one in self.identifiers):
                 return False
+        return self.of_node(picture, packet)
+
+    def of_node(self, picture: "BusPicture", packet: Packet) -> bool:
+        """Return whether a frame is of a chosen node, or of all nodes."""
         return not self.nodes or picture.node_of(packet) in {None, *self.nodes}
 
 
@@ -73,12 +77,17 @@ class FrameLines:
     _last: dict[int, bytes] = field(default_factory=dict)
 
     def note(self, now: Nanoseconds, packet: Packet) -> None:
-        """Take a frame; print it where it is to be shown."""
+        """Take a frame; print it where it is to be shown, and what has changed with it."""
+        # A heartbeat that is overdue is another node's event than this frame.
+        late = self.picture.overdue(now)
+        changed = [text for node, text in late if not self.chosen.nodes or node in self.chosen.nodes]
         texts = self.picture.note(now, packet)
+        if self.chosen.of_node(self.picture, packet):
+            changed += texts
         before = self._last.get(packet.address)
         self._last[packet.address] = packet.payload
         if self.changes:
-            for text in texts:
+            for text in changed:
                 say(f"{instant(self.picture, now):>12}       {text}")
             if before == packet.payload:
                 return

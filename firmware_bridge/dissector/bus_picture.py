@@ -13,11 +13,11 @@ from firmware_bridge.canopen import cia301, sdo
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
-from firmware_bridge.dissector.canopen import MASTER, Canopen, service_name
+from firmware_bridge.dissector.canopen import MASTER, PDO, Canopen, service_name
 from firmware_bridge.dissector.expected import Expected
 from firmware_bridge.dissector.lately import Lately
 from firmware_bridge.packet import Packet
-from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.can import ERROR, INTERFRAME_BITS, REMOTE, frame_bits
 
 RECENT: Final[Nanoseconds] = SECOND
@@ -81,6 +81,8 @@ class MessageSeen:
     """The last one."""
     read: tuple[str, str] | None = None
     """Its kind, and its decoded text; None where it was not read yet."""
+    version: int = -1
+    """Of what was known of the nodes as it was read."""
     count: int = 0
     lately: Lately = field(default_factory=lambda: Lately(RECENT))
 
@@ -117,6 +119,8 @@ class BusPicture:
         self._nodes: dict[int, NodeSeen] = {}
         self._messages: dict[int, MessageSeen] = {}
         self._titles = {one.node: one.title for one in expected}
+        self._look_at: Nanoseconds = -NEVER
+        """Before it no heartbeat is overdue."""
         self._recent, self._burst = Lately(RECENT), Lately(BURST)
         for one in expected:
             self._reader.expect(one.node, one.written, one.dictionary)
@@ -180,17 +184,34 @@ class BusPicture:
         self.bits += bits
         self._recent.add(now, bits)
         self._burst.add(now, bits)
-        message = self._messages.setdefault(address, MessageSeen(packet))
+        message = self._messages.get(address)
+        if message is None:
+            message = self._messages[address] = MessageSeen(packet)
+        # A PDO that repeats changes nothing, as long as it is read as before.
+        repeats = message.version == self._reader.version and message.packet.payload == packet.payload
         # Decoded when it is shown: most frames of a busy bus are never looked at.
-        message.packet, message.read = packet, None
+        message.packet = packet
+        message.read = message.read if repeats else None
         message.count += 1
         message.lately.add(now, 1)
-        return (*late, *self._changes(now, packet, message))
+        if repeats and service_name(packet) == PDO:
+            return late
+        changes = tuple(self._changes(now, packet, message))
+        message.version = self._reader.version
+        return (*late, *changes)
 
     def pass_time(self, now: Nanoseconds) -> tuple[str, ...]:
         """Take note that it is `now`, and of heartbeats that are overdue."""
+        return tuple(text for _, text in self.overdue(now))
+
+    def overdue(self, now: Nanoseconds) -> tuple[tuple[int, str], ...]:
+        """Take note that it is `now`; return each node whose heartbeat is overdue now, with a text."""
         self.now = max(self.now, now)
-        return tuple(self._missing(one) for one in self._nodes.values() if self._overdue(one))
+        if self.now < self._look_at:
+            return ()
+        found = tuple((one.node, self._missing(one)) for one in self._nodes.values() if self._overdue(one))
+        self._look_at = min(map(self._due, self._nodes.values()), default=NEVER)
+        return found
 
     def _changes(self, now: Nanoseconds, packet: Packet, message: MessageSeen) -> Iterator[str]:
         """Follow a frame, and say what it has changed; PDOs are read when they are shown."""
@@ -248,6 +269,8 @@ class BusPicture:
         # It goes on to pre-operational by itself (CiA 301).
         follows = NmtState.PRE_OPERATIONAL if restarted else state
         seen.network = seen.network if follows is None else follows
+        # Those of the other nodes are due as before.
+        self._look_at = min(self._look_at, self._due(seen))
 
     def _emergency(self, seen: NodeSeen, packet: Packet, message: MessageSeen) -> Iterator[str]:
         decoded = cia301.decode_emergency(packet.payload)
@@ -278,10 +301,14 @@ class BusPicture:
         yield f"node {node}: statusword {seen.status}"
 
     def _overdue(self, seen: NodeSeen) -> bool:
+        return self.now >= self._due(seen)
+
+    def _due(self, seen: NodeSeen) -> Nanoseconds:
+        """Return when a node's heartbeat is overdue; NEVER where none is expected."""
         period = seen.period
         if seen.missing or period is None or seen.beat_at is None:
-            return False
-        return self.now - seen.beat_at > MISSED * period
+            return NEVER
+        return seen.beat_at + MISSED * period + 1
 
     def _missing(self, seen: NodeSeen) -> str:
         seen.missing = True

@@ -27,6 +27,10 @@ _LSS: Final = {int(command): command for command in LssCommand}
 MASTER: Final = 0
 """The network's master, in the place of a sender's number."""
 ADDED: Final = -1
+MOST_TEXTS: Final = 4096
+"""So many texts of PDOs are kept."""
+BY_DEFAULT: Final = " (default mapping)"
+"""Mark of a PDO that is read by its family's default: its mapping was neither written, read nor given."""
 PDO: Final = "pdo"
 OTHER: Final = "other"
 
@@ -53,6 +57,9 @@ class Canopen:
         self._defaults = defaults or sheet is not None
         self._requested: dict[int, Address] = {}
         """The object of each node's SDO transfer."""
+        self._texts: dict[tuple[int, bytes], str] = {}
+        """Texts of PDOs, which repeat: those of one version of what is known of the nodes."""
+        self._texts_of = 0
 
     def read(self, _sender: str, packet: Packet) -> str:
         """Return the decoded text of a frame."""
@@ -123,6 +130,11 @@ class Canopen:
             known = mapping >= TRANSMIT_MAPPING and self._known(owner, mapping)
             return owner, self._nodes.contents(owner, mapping, packet.payload) if known else []
         return MASTER, []
+
+    @property
+    def version(self) -> int:
+        """A number that changes with everything that changes how a frame is read."""
+        return self._nodes.version
 
     def value(self, node: int, address: Address, raw: bytes) -> str:
         """Return an object's value for people, with its unit and what its bits say."""
@@ -250,11 +262,21 @@ class Canopen:
         return self._defaults or self._nodes.identified(node) or self._nodes.mapped(node, mapping)
 
     def _pdo(self, number: int, payload: bytes) -> str:
+        if self._texts_of != self._nodes.version or len(self._texts) >= MOST_TEXTS:
+            self._texts.clear()
+            self._texts_of = self._nodes.version
+        text = self._texts.get((number, payload))
+        if text is None:
+            text = self._texts[number, payload] = self._pdo_read(number, payload)
+        return text
+
+    def _pdo_read(self, number: int, payload: bytes) -> str:
         for node, title, mapping in self._nodes.candidates(number):
             if not self._known(node, mapping):
                 return f"{title}: {payload.hex(' ').upper()}, by a mapping that is not known"
             fields = self._nodes.fields(node, mapping, payload)
-            return f"{title}: {', '.join(fields) if fields else 'bytes that do not fit its mapping'}"
+            by = "" if self._nodes.stated(node, mapping) else BY_DEFAULT
+            return f"{title}{by}: {', '.join(fields) if fields else 'bytes that do not fit its mapping'}"
         return "a PDO of an unknown node"
 
 

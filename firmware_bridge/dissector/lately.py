@@ -17,10 +17,13 @@ class Lately:
 
     def add(self, now: Nanoseconds, amount: int) -> None:
         """Take an amount."""
-        self._kept.append((now, amount))
+        kept = self._kept
+        kept.append((now, amount))
         self._sum += amount
+        if kept[0][0] <= now - self.span:
+            self.total(now)
         # The highest sum is reached when something is added, never in between.
-        self.peak = max(self.peak, self.total(now))
+        self.peak = max(self.peak, self._sum)
 
     def total(self, now: Nanoseconds) -> int:
         """Return the sum at an instant."""

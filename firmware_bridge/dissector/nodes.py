@@ -41,6 +41,8 @@ class Nodes:
         """The writes to each node, as far as they matter for reading."""
         self._saved: dict[int, dict[Address, int]] = {}
         # Most frames are PDOs, and their settings rarely change: found once, until something is written.
+        self.version = 0
+        """Changes with everything that changes how a frame is read."""
         self._found: dict[int, tuple[tuple[int, str, int], ...]] = {}
         self._mappings: dict[tuple[int, int], tuple[MappingEntry, ...]] = {}
 
@@ -68,6 +70,7 @@ class Nodes:
 
     def note(self, node: int, address: Address, raw: bytes) -> None:
         """Take note of what is written to a node."""
+        self.version += 1
         if node not in self._written:
             self._look_again()
         written = self._written.setdefault(node, {})
@@ -90,6 +93,10 @@ class Nodes:
         """Return whether a PDO's mapping was written, so that it need not be taken for the default."""
         written = self._written.get(node, {})
         return any(Address(mapping, place) in written for place in range(MAX_ENTRIES + 1))
+
+    def stated(self, node: int, mapping: int) -> bool:
+        """Return whether a PDO's mapping was written, read, or given by a data sheet."""
+        return self.mapped(node, mapping) or Address(mapping, 0) in self._sheet
 
     def forget(self, node: int) -> None:
         """Know of a node that restarts only what it has saved."""
@@ -128,6 +135,7 @@ class Nodes:
         return found
 
     def _look_again(self) -> None:
+        self.version += 1
         self._found.clear()
         self._mappings.clear()
 

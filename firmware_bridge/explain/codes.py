@@ -15,7 +15,7 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.canopen.cia402 import ControlwordBit, PowerState, Status, towards, word_of
 from firmware_bridge.canopen.pdo import MappingEntry
-from firmware_bridge.dissector.canopen import OTHER, Canopen, service_name
+from firmware_bridge.dissector.canopen import BY_DEFAULT, OTHER, Canopen, service_name
 from firmware_bridge.dissector.dictionary import Dictionary, dictionaries
 from firmware_bridge.explain.remedies import ABORT_CHECKS, class_of, remedy_of
 from firmware_bridge.node import CAN
@@ -233,7 +233,7 @@ def _objects(value: int) -> Iterator[Reading]:
 def _identifiers(value: int) -> Iterator[Reading]:
     packet = Packet(CAN, value, b"")
     if 0 <= value <= cia301.COB_ID_MASK and service_name(packet) != OTHER:
-        title = Canopen().read("", packet).partition(":")[0]
+        title = Canopen().read("", packet).partition(":")[0].removesuffix(BY_DEFAULT)
         yield Reading("identifier", f"CAN identifier 0x{value:03X}: {title}, by the predefined set")
 
 

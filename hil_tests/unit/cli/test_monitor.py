@@ -213,7 +213,7 @@ def test_what_a_device_has_recorded_states_its_side_and_needs_no_robot(
     ("words", "content", "reported"),
     [
         (("--log", "LOG", "-i", "virtual"), LOG, "a recording has no interface"),
-        (("--log", "LOG", "-c", "can7"), LOG, "holds no frame of 'can7', but of can0"),
+        (("--log", "LOG", "-c", "can7"), LOG, "holds no frame of 'can7': it holds frames of can0; name one"),
         (("--log", "LOG"), LOG + LOG.replace("can0", "can1"), "frames of can0 and can1; choose one with -c"),
         (("--log", "LOG"), LOG + "nonsense\n", "line 5: no line of a candump log"),
         (("--log", "LOG"), "\xff", "cannot be read"),
@@ -314,6 +314,38 @@ def test_frames_are_chosen_by_service_identifier_and_node(
     tmp_path: Path, words: tuple[str, ...], identifiers: list[str]
 ) -> None:
     assert [line.split()[0] for line in shown(tmp_path, "--lines", *words)] == identifiers
+
+
+OTHERS = """(1577836800.000000) can0 703#05
+(1577836800.010000) can0 704#05
+(1577836800.100000) can0 703#05
+(1577836800.110000) can0 704#05
+(1577836800.200000) can0 703#05
+(1577836800.210000) can0 704#05
+(1577836800.220000) can0 084#2032040000000000
+(1577836800.300000) can0 703#05
+(1577836800.400000) can0 703#05
+(1577836800.500000) can0 703#05
+"""
+
+
+@pytest.mark.parametrize(("node", "missing"), [("3", False), ("4", True), ("3-4", True)])
+def test_changes_of_other_nodes_are_left_out(tmp_path: Path, node: str, missing: bool) -> None:  # noqa: FBT001
+    log = tmp_path / "can.log"
+    log.write_text(OTHERS)
+    printed = run("--log", str(log), "--changes", "--node", node).stdout
+    for number in "34":
+        assert (f"node {number} is there" in printed) is (number in {"3": "3", "4": "4", "3-4": "34"}[node])
+    assert ("EMCY node 4" in printed) is missing
+    assert ("node 4: no heartbeat for more than" in printed) is missing
+
+
+def test_an_empty_recording_has_no_frame_of_a_bus(tmp_path: Path) -> None:
+    log = tmp_path / "can.log"
+    log.write_text("")
+    result = run("--log", str(log), "-c", "can0")
+    assert result.exit_code == 2
+    assert "holds no frame of 'can0': it is empty" in " ".join(result.stderr.split())
 
 
 def test_on_a_bus_frames_are_lines_too(monkeypatch: pytest.MonkeyPatch) -> None:

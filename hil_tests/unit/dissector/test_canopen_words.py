@@ -4,6 +4,7 @@ import hypothesis.strategies as st
 import pytest
 from hypothesis import given
 
+from firmware_bridge.canopen.address import Address
 from firmware_bridge.dissector.canopen import Canopen
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
@@ -54,13 +55,19 @@ ROWS = [
     (
         0x183,
         "3707",
-        f"TPDO 1, node 3: 0x6041 Statusword = 0x0737 (operation enabled, {ON}, target reached)",
+        (
+            "TPDO 1, node 3 (default mapping): 0x6041 Statusword = 0x0737 "
+            f"(operation enabled, {ON}, target reached)"
+        ),
     ),
-    (0x183, "37", "TPDO 1, node 3: bytes that do not fit its mapping"),
+    (0x183, "37", "TPDO 1, node 3 (default mapping): bytes that do not fit its mapping"),
     (
         0x503,
         "0F00FFFFFFFF",
-        "RPDO 4, node 3: 0x6040 Controlword = 0x000F (enable operation), 0x60FF Target Velocity = -1 rpm",
+        (
+            "RPDO 4, node 3 (default mapping): 0x6040 Controlword = 0x000F (enable operation), "
+            "0x60FF Target Velocity = -1 rpm"
+        ),
     ),
     (0x180, "00", "a PDO of an unknown node"),
     (0x7FF, "00", "no CANopen service"),
@@ -123,3 +130,28 @@ def test_whatever_comes_has_a_text(sent: list[tuple[int, int, bytes]]) -> None:
     reader = Canopen()
     for number, flag, content in sent:
         assert reader.read("someone", Packet(CAN, number | flag, content))
+
+
+WRITE_COUNT, READ_COUNT = (0x603, "2F001A0001000000"), (0x583, "4F001A0001000000")
+STATUS = (0x183, "3707")
+BOOT_UP = (0x703, "00")
+
+
+@pytest.mark.parametrize("known_by", [WRITE_COUNT, READ_COUNT])
+def test_a_default_mapping_is_marked_until_it_is_written_or_read_and_again_after_a_boot_up(
+    known_by: tuple[int, str],
+) -> None:
+    reader = Canopen()
+    assert read(reader, STATUS).startswith("TPDO 1, node 3 (default mapping): ")
+    assert read(reader, known_by, STATUS).startswith("TPDO 1, node 3: ")
+    assert read(reader, BOOT_UP, STATUS).startswith("TPDO 1, node 3 (default mapping): ")
+
+
+def test_a_mapping_that_was_saved_is_no_default_after_a_boot_up() -> None:
+    saved = (0x603, "2310100173617665")
+    assert read(Canopen(), WRITE_COUNT, saved, BOOT_UP, STATUS).startswith("TPDO 1, node 3: ")
+
+
+def test_a_mapping_of_a_data_sheet_is_no_default() -> None:
+    sheet = {Address(0x1A00, 0): 1, Address(0x1A00, 1): 0x60410010, Address(0x1800, 1): 0x183}
+    assert read(Canopen(sheet=sheet), STATUS).startswith("TPDO 1, node 3: ")
