@@ -18,10 +18,11 @@ from emulators.bench.path_error import Followed, path_error
 from emulators.bench.piloted import HandedOver, PilotedMission
 from emulators.bench.radial_error import radial_error
 from emulators.bench.summary import RunFigures, Summary, as_json, summarize
-from emulators.extras import installed
 from emulators.recorded import recorded
 from emulators.rig import Rig
+from emulators.rig_mcap import Unrecorded, in_mcap
 from firmware_bridge import renamed
+from firmware_bridge.extras import installed
 from firmware_bridge.node import Node
 from firmware_bridge.robot import AnyRobot, Problem
 from firmware_bridge.runtime.run_file import AsRun, run_file
@@ -53,6 +54,8 @@ class RunOrder:
     """The line that drives it again, for its page."""
     operator: Node | None = None
     """Operator in place of the mission's; with it stations may inject failures of the devices."""
+    record: Path | None = None
+    """File in MCAP, beside the folder."""
 
     @property
     def duration(self) -> Nanoseconds:
@@ -72,8 +75,15 @@ def in_virtual_time(rig: Rig, end: Nanoseconds, progress: Progress) -> None:
 def drive(order: RunOrder, progress: Progress, carry: Carry = in_virtual_time) -> Summary:
     """Drive a mission and leave summary, recordings, pictures and a page in the folder.
 
-    PlantError where the plant cannot be used; OSError where the folder cannot be written.
+    PlantError where the plant cannot be used; OSError where the folder cannot be written; ExtraMissingError
+    where a file in MCAP needs its extra.
     """
+    about = {"robot": order.robot.name, "mission": order.mission_name, "seed": str(order.seed)}
+    with in_mcap(order.record, {**about, "link": order.mission.link}) as mcap:
+        return _driven(order, progress, carry, mcap)
+
+
+def _driven(order: RunOrder, progress: Progress, carry: Carry, mcap: Unrecorded) -> Summary:
     order.folder.mkdir(parents=True, exist_ok=True)
     operator = operator_of(order)
     rig = Rig(
@@ -87,6 +97,7 @@ def drive(order: RunOrder, progress: Progress, carry: Carry = in_virtual_time) -
         faults=order.mission.fault,
         injects=order.operator is not None,
     )
+    mcap.observe(rig)
     begun = time.perf_counter()
     with recorded(rig, order.folder):
         carry(rig, order.duration, progress)
@@ -124,8 +135,10 @@ def drive(order: RunOrder, progress: Progress, carry: Carry = in_virtual_time) -
         radial_error_m=swing,
         figures={**order.bench_setup.figures, **_by_file(order)},
     )
-    for name, text in run_file(AsRun(order.mission.on(order.robot))).items():
+    as_run = run_file(AsRun(order.mission.on(order.robot)))
+    for name, text in as_run.items():
         (order.folder / name).write_text(text, encoding="utf-8")
+    mcap.end(summary, {**as_run, "mission.toml": order.mission.text})
     (order.folder / "summary.json").write_text(as_json(summary), encoding="utf-8")
     (order.folder / "samples.csv").write_text(rig.samples.csv(), encoding="ascii")
     title, pictures = f"{order.robot.name} · {order.mission_name} · seed {order.seed}", list[Path]()

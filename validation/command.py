@@ -73,7 +73,7 @@ def study(
 
 def _drawing() -> ModuleType:
     """Import what draws: half a second for Matplotlib, which no one needs who wants no pictures."""
-    from emulators.extras import from_extras
+    from firmware_bridge.extras import from_extras
 
     with from_extras():
         return importlib.import_module("validation.studies.report")

@@ -10,7 +10,7 @@ from itertools import pairwise, starmap
 from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import AfterValidator, Field, ValidationError, create_model, model_validator
+from pydantic import AfterValidator, Field, PrivateAttr, ValidationError, create_model, model_validator
 
 from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.faults import ROBOT, FaultTable, misfits
@@ -81,6 +81,18 @@ class Mission(Table):
     """Parameters of the plant beside those of the robot file: its slope, its floor."""
     fault: Annotated[tuple[FaultTable, ...], Field(strict=False)] = ()
     """Faults in the meantime: `docs/faults.md`."""
+    _text: str = PrivateAttr(default="")
+
+    @property
+    def text(self) -> str:
+        """The TOML text that it was read from, without the changes by options."""
+        return self._text
+
+    def read_from(self, text: str) -> Self:
+        """Return the mission with its text."""
+        mission = self.model_copy()
+        mission._text = text  # noqa: SLF001 - its own
+        return mission
 
     def on(self, robot: AnyRobot) -> AnyRobot:
         """Return the robot on this mission's floor, and with the delay that it agrees on; RobotFileError."""
@@ -156,7 +168,7 @@ def parse(text: str, file: str, robot: AnyRobot, bench_setup: BenchSetup) -> Mis
     problems = (*cannot_say(mission, robot, bench_setup), *starmap(Problem, misfits(mission.fault, robot)))
     if problems:
         raise MissionFileError(file, *problems)
-    return mission
+    return mission.read_from(text)
 
 
 def _confirmed(step: Step, robot: AnyRobot, bench_setup: BenchSetup) -> Step:

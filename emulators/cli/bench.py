@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from emulators.cli.bench_realtime import check, in_real_time, stations_mission
-from emulators.cli.options import PlantOption, SerialOption
+from emulators.cli.options import PlantOption, RunFileOption, SerialOption, run_file
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
 from firmware_bridge.cli.options import (
@@ -86,6 +86,7 @@ class BenchOptions:
             "--out", "-o", metavar="DIR", help="Folder of the results.", show_default="out/ROBOT-MISSION"
         ),
     ] = None
+    record: RunFileOption = None
     plant: PlantOption = None
     serial: SerialOption = None
     link: SlowLinkOption = None
@@ -142,7 +143,6 @@ def run(given: BenchOptions) -> None:
     from emulators.bench.report import show
     from emulators.cli.beginning import report_beginning
     from emulators.cli.fitted import fitted
-    from emulators.extras import installed, remedy_of
     from emulators.paced import OutsideOperator
     from emulators.run import RunOrder
     from emulators.servo.bank import ServoError
@@ -150,6 +150,7 @@ def run(given: BenchOptions) -> None:
     from firmware_bridge.cli.robot_argument import find_robot
     from firmware_bridge.cli.tables import terminal
     from firmware_bridge.drivers.link_drivers import PlanError
+    from firmware_bridge.extras import installed, remedy_of
     from firmware_bridge.pilot.paths import PathError
     from firmware_bridge.robot import RobotFileError
     from firmware_bridge.robot.path_file import PathFileError
@@ -157,12 +158,13 @@ def run(given: BenchOptions) -> None:
     from fmu.errors import PlantError
 
     check(given)
+    record = run_file(given.record)
     with (
         one_message(
             *(MissionFileError, RobotFileError, PathFileError, PlanError),
             *(PlantError, ServoError, LookupError, ConditionsError, PathError),
         ),
-        written_by("--out"),
+        written_by("--out" if record is None else "--out or --record"),
     ):
         machine, along = fitted(find_robot(given.robot), given)
         bench_setup = bench_setup_of(machine)
@@ -177,14 +179,16 @@ def run(given: BenchOptions) -> None:
         folder = given.out or RESULTS / f"{machine.name}-{name}"
         outside = None if given.mavlink is None else OutsideOperator()
         order = RunOrder(
-            *(machine, bench_setup, name, script, given.seed, folder, given.plant, _again()), operator=outside
+            *(machine, bench_setup, name, script, given.seed, folder, given.plant, _again()),
+            operator=outside,
+            record=record,
         )
         report_beginning(machine, given.plant)
         if not installed("plots"):
             say(f"no pictures this time: {remedy_of('plots')}", err=True)
         summary = _driven(order, given)
     show(terminal(), summary, bench_setup.remarks(machine))
-    say(f"results: {folder}/")
+    say(f"results: {folder}/" + ("" if record is None else f", {record}"))
     for event in summary.interlock_events:
         # A bridge that did not start is no result: exit status 1.
         if event.name == NOT_STARTED.name:

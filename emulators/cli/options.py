@@ -5,7 +5,9 @@ from typing import Annotated
 
 import typer
 
-from firmware_bridge.cli.console import say
+from firmware_bridge.cli.console import refusal, say
+from firmware_bridge.extras import installed, remedy_of
+from firmware_bridge.mcap_file.channels import SUFFIX
 
 PlantOption = Annotated[
     Path | None,
@@ -13,6 +15,15 @@ PlantOption = Annotated[
         "--plant",
         metavar="FMU",
         help="Another plant: an FMU (FMI 2.0 or 3.0, co-simulation) with the same variable names.",
+        show_default=False,
+    ),
+]
+RunFileOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--record",
+        metavar="FILE.mcap",
+        help="Record the run in this file, too, for Foxglove or PlotJuggler; one seed gives one file.",
         show_default=False,
     ),
 ]
@@ -49,6 +60,17 @@ LatencyOption = Annotated[
         "reset, as recorded; or both at once.",
     ),
 ]
+
+
+def run_file(path: Path | None) -> Path | None:
+    """Return the file of a run in MCAP; another name, or a missing extra, ends the program with a message."""
+    if path is None:
+        return None
+    if path.suffix.lower() != SUFFIX:
+        raise refusal(f"--record {path}: name a file that ends in {SUFFIX}; --out names the results' folder")
+    if not installed("mcap"):
+        raise refusal(remedy_of("mcap"))
+    return path
 
 
 def plant_file(plant: str) -> Path:

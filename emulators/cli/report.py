@@ -65,13 +65,13 @@ class ReportOptions:
 def run(given: ReportOptions) -> None:
     """Run the command `report`; an error ends the program with a message."""
     from emulators.bench.bench_setup import bench_setup_of
-    from emulators.extras import installed, remedy_of
     from emulators.progress_bar import progress_bar
     from emulators.replay import Into, RecordingFileError, ReplayOrder
     from emulators.replay.files import named
     from emulators.replay.measured import measured
     from emulators.replay.recordings import cut_off
     from emulators.replay.report import written
+    from firmware_bridge.extras import installed, remedy_of
     from firmware_bridge.robot import RobotFileError
 
     folder, out = given.folder, given.out or given.folder

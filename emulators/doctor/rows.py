@@ -51,6 +51,7 @@ CROWDED: Final = 2.0
 """Processes for each processor. Assumed: with twice as many as there are processors a cycle waits its turn
 often; with more than one each, now and then."""
 PURPOSES: Final = {
+    "mcap": "recordings in MCAP",
     "plants": "for plants of your own",
     "plots": "pictures of runs",
     "testing": "the plugin of pytest",

@@ -17,8 +17,8 @@ from emulators.bench.columns import Floats, current
 from emulators.bench.page import active, beginning, shown
 from emulators.bench.summary import entry_of
 from emulators.bench.web import document
-from emulators.extras import installed
 from emulators.replay.measured import Measured
+from firmware_bridge.extras import installed
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import to_seconds
 

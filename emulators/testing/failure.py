@@ -6,8 +6,8 @@ from typing import Final
 
 from emulators.bench.columns import motor_speed
 from emulators.bench.records import FaultRecord
-from emulators.extras import installed, remedy_of
 from emulators.testing.rig import VirtualRig
+from firmware_bridge.extras import installed, remedy_of
 from firmware_bridge.units import Nanoseconds, to_seconds
 
 TURNING: Final = frozenset(

@@ -197,6 +197,7 @@ def run(given: DriveOptions) -> None:
     from firmware_bridge.cli.watchdogs import watched
     from firmware_bridge.cli.zeros import zeros_of
     from firmware_bridge.drivers.link_drivers import PlanError
+    from firmware_bridge.mcap_file.bridge_watch import BridgeWatch
     from firmware_bridge.robot import RobotFileError
     from firmware_bridge.robot.path_file import PathFileError, along_path
     from firmware_bridge.robot.table import Medium
@@ -244,7 +245,8 @@ def run(given: DriveOptions) -> None:
     files = {name: logs[link.medium] for name, link in machine.links.items()} | {OPERATOR: OPERATOR_LOG}
     try:
         known = known_places(places_before) | run_file(AsRun(machine, confirmed, given.mode or ""))
-        with recording(given.record, files, texts_of(), known=known) as (around, show):
+        watch = BridgeWatch(machine, lambda: bridge)
+        with recording(given.record, files, texts_of(), known=known, watch=watch) as (around, show):
             carried = _far(around(node), slow)
             carry(
                 Narrated(bridge, carried, machine, show, kept=kept, stamps=stamps, hints=hints),

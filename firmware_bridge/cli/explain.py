@@ -46,10 +46,11 @@ EXAMPLES: Final = """Examples:
 class ExplainOptions:
     """Explain a recording of a bus or a line, or a code: incidents, causes, why a drive does not move.
 
-    It reads candump's logs (also .gz and .xz), .asc, .blf and .trc, pcap and pcapng with SocketCAN frames,
-    serial.log of a run or of a device, and the folder of a run. In place of a recording it takes a number: an
-    error code, an SDO abort code, a statusword or a controlword. Exit status 0: no incident, or the number is
-    known; 1: incidents; 2: a wrong argument, or an unknown number; 3: the recording cannot be read.
+    It reads candump's logs (also .gz and .xz), .mcap, .asc, .blf and .trc, pcap and pcapng with SocketCAN
+    frames, serial.log of a run or of a device, and the folder of a run. In place of a recording it takes a
+    number: an error code, an SDO abort code, a statusword or a controlword. Exit status 0: no incident, or
+    the number is known; 1: incidents; 2: a wrong argument, or an unknown number; 3: the recording cannot be
+    read.
     """
 
     what: Annotated[

@@ -4,22 +4,28 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
 from firmware_bridge.cli.console import one_message, say
+from firmware_bridge.extras import ExtraMissingError, from_extras
+from firmware_bridge.mcap_file.channels import SUFFIX
 from firmware_bridge.node import Node
 from firmware_bridge.recording import Recorded
 from firmware_bridge.runtime.black_box import BlackBox, BlackBoxError, Texts, no_texts
 
+if TYPE_CHECKING:
+    from firmware_bridge.mcap_file.bridge_watch import BridgeWatch
+    from firmware_bridge.runtime.mcap_box import McapBox
+
 RecordOption = Annotated[
     Path | None,
     typer.Option(
-        metavar="FOLDER",
+        metavar="FOLDER|FILE.mcap",
         help="Record the run in a new folder there: can.log or serial.log, capture.log with cameras, "
-        "operator.tlog, and events.log with the stations that armed, drove and stopped. A full disk ends "
-        "the recording, never the run.",
+        "operator.tlog, and events.log with the stations that armed, drove and stopped. A name that ends in "
+        ".mcap is a new file for Foxglove or PlotJuggler. A full disk ends the recording, never the run.",
         show_default=False,
     ),
 ]
@@ -34,17 +40,39 @@ def recording(
     texts: Texts = no_texts,
     called: Mapping[str, str] = MappingProxyType({}),
     known: Mapping[str, str] = MappingProxyType({}),
+    *,
+    watch: "BridgeWatch | None" = None,
 ) -> Iterator[tuple[Around, Say]]:
     """Give the wrapper of the carried node, and the user's output; without a folder, nothing is recorded.
 
-    `called` has names that links have in a log of lines; `known`, by the names of files, the program's
-    knowledge before. A folder that cannot be made ends the program with a message.
+    `folder` may be a file in MCAP. `called` has names that links have in a log of lines; `known`, by the
+    names of files, the program's knowledge before; `watch` shows the bridge, for a file in MCAP. What cannot
+    be made, or needs an extra that is missing, ends the program with a message.
     """
     if folder is None:
         yield (lambda node: node), say
         return
-    with one_message(BlackBoxError):
-        box = BlackBox(folder, files, say, texts, called, known=known)
+    with one_message(BlackBoxError, ExtraMissingError):
+        box: BlackBox | McapBox
+        if folder.suffix.lower() == SUFFIX:
+            box, place = _in_file(folder, files, called, known, watch=watch), folder
+        else:
+            box = BlackBox(folder, files, say, texts, called, known=known)
+            place = box.folder
     with box:
-        say(f"recording in {box.folder}")
+        say(f"recording in {place}")
         yield (lambda node: Recorded(node, box.note)), box.report
+
+
+def _in_file(
+    path: Path,
+    files: Mapping[str, str],
+    called: Mapping[str, str],
+    known: Mapping[str, str],
+    *,
+    watch: "BridgeWatch | None",
+) -> "McapBox":
+    with from_extras():
+        from firmware_bridge.runtime.mcap_box import McapBox
+
+        return McapBox(path, files, say, called, known=known, watch=watch)

@@ -60,7 +60,8 @@ def _opened(path: Path, note: Note) -> Iterator[Frame]:
     if path.suffix.lower() in CAPTURES:
         return capture.frames(path, lambda text: note(f"{path}: {text}"))
     if can_files.is_foreign(path):
-        return ((at, bus, one.address, one.payload) for at, bus, one in can_files.frames(path))
+        found = can_files.frames(path, lambda text: note(f"{path}: {text}"))
+        return ((at, bus, one.address, one.payload) for at, bus, one in found)
     return _candump(path, note)
 
 

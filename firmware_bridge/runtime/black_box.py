@@ -1,7 +1,7 @@
 """The black box of a run on real links: its packets and reported texts, in files of the field.
 
-A thread writes, so that no disk holds up a cycle. A disk that is full, slow or gone ends the recording with
-one message, and never the robot. Each run has a folder of its own, named by when it began:
+A thread writes (`firmware_bridge.runtime.disk_thread`). Each run has a folder of its own, named by when it
+began:
 
 * `can.log`, as `candump -l` writes it, without the marks R and T, which Wireshark does not read;
 * `serial.log`: instant, link, R or T, and the bytes, for a line to drives or to a board;
@@ -17,7 +17,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from threading import Event, Thread
 from types import MappingProxyType, TracebackType
 from typing import BinaryIO, Final, Self, TypeAlias
 
@@ -31,6 +30,7 @@ from firmware_bridge.recording import (
     mavlink_origin,
     tlog_records,
 )
+from firmware_bridge.runtime.disk_thread import DiskThread
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
 
 CAN_LOG: Final = "can.log"
@@ -40,13 +40,11 @@ OPERATOR_LOG: Final = "operator.tlog"
 EVENTS_LOG: Final = "events.log"
 STATIONS_LOG: Final = "stations.log"
 """A line when a station is received first, or from elsewhere: instant, place, system and component."""
-MOST: Final = 100_000
-"""So many packets at most wait for the disk: some ten seconds of a bus of 1 Mbit/s that is never idle."""
-EVERY_S: Final = 0.2
-END_WITHIN_S: Final = 5.0
 
 Written: TypeAlias = tuple[str, bytes]
 """A file's name, and what is added to it."""
+Noted: TypeAlias = tuple[Nanoseconds, Direction, Packet] | tuple[Nanoseconds, str]
+"""A packet, or a text of the terminal with its Unix time."""
 Texts: TypeAlias = Callable[[bytes], Iterable[str]]
 """Extraction of a datagram's texts for people."""
 
@@ -99,12 +97,7 @@ class BlackBox:
         self._last_text = ""
         self._spoke_from: dict[tuple[int, int], int] = {}
         self._epoch: Nanoseconds | None = None
-        self._waiting: deque[tuple[Nanoseconds, Direction, Packet] | tuple[Nanoseconds, str]] = deque()
-        self._failure: str | None = None
-        self._reported: str | None = None
-        self._ending = Event()
-        self._thread = Thread(target=self._write, name=f"recording in {parent}", daemon=True)
-        self._thread.start()
+        self._disk = DiskThread(self.folder, say, self._empty, self._close)
 
     def __enter__(self) -> Self:
         return self
@@ -113,52 +106,25 @@ class BlackBox:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Bring what waits to the disk, and say so where that failed."""
-        self._ending.set()
-        self._thread.join(END_WITHIN_S)
-        if self._thread.is_alive():
-            self._failure = f"the disk takes nothing within {END_WITHIN_S:g} s"
-        self._report_failure()
+        self._disk.end()
 
     def note(self, now: Nanoseconds, direction: Direction, packet: Packet) -> None:
         """Take down a packet."""
         if self._epoch is None:
             # Whole microseconds, so that the telemetry log, which has no less, keeps the run's own instants.
             self._epoch = (time.time_ns() - now) // MICROSECOND * MICROSECOND
-        if self._failure is None:
-            # A bound on the memory: a disk that hangs must not let the queue grow for ever.
-            if len(self._waiting) < MOST:
-                self._waiting.append((now, direction, packet))
-            else:
-                self._failure = "the disk is too slow"
-        self._report_failure()
+        self._disk.put((now, direction, packet))
 
     def report(self, text: str) -> None:
         """Say it at the terminal, and take it down."""
         self._say(text)
-        if self._failure is None:
-            self._waiting.append((time.time_ns(), text))
+        self._disk.put((time.time_ns(), text))
 
-    def _report_failure(self) -> None:
-        if self._failure is not None and self._reported is None:
-            self._reported = self._failure
-            # Nothing more is written, so what waits would only take memory.
-            self._waiting.clear()
-            self._say(f"recording in {self.folder} has ended: {self._failure}; the run goes on")
+    def _close(self) -> None:
+        for file in self._open.values():
+            _closed(file)
 
-    def _write(self) -> None:
-        """Write what waits, until the end; the thread's whole life."""
-        try:
-            while not self._ending.wait(EVERY_S):
-                self._empty()
-            self._empty()
-        except OSError as error:
-            self._failure = error.strerror or str(error)
-        finally:
-            for file in self._open.values():
-                _closed(file)
-
-    def _empty(self) -> None:
-        waiting = self._waiting
+    def _empty(self, waiting: deque[Noted]) -> None:
         parts: dict[str, list[bytes]] = {name: [] for name in self._open}
         while waiting:
             for name, raw in self._lines(waiting.popleft()):
@@ -169,7 +135,7 @@ class BlackBox:
                 self._open[name].write(b"".join(raws))
                 self._open[name].flush()
 
-    def _lines(self, noted: tuple[Nanoseconds, Direction, Packet] | tuple[Nanoseconds, str]) -> list[Written]:
+    def _lines(self, noted: Noted) -> list[Written]:
         if len(noted) == 2:  # noqa: PLR2004 - a text, not a packet
             return [_event(noted[0], noted[1])]
         now, direction, packet = noted

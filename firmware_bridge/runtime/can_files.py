@@ -1,16 +1,19 @@
-"""Recordings of CAN buses in the formats of other tools, as python-can reads them, by a file's suffix.
+"""Recordings of CAN buses in the formats of other tools, by a file's suffix.
 
-`.asc` and `.blf` are Vector's, `.trc` is PEAK's, of which python-can reads no remote frames. candump's log is
-this project's own: it is read without python-can.
+`.asc` and `.blf` are Vector's, `.trc` is PEAK's, of which python-can reads no remote frames. `.mcap` is what
+`--record` writes (`firmware_bridge.mcap_file`). candump's log is read elsewhere, without a library.
 """
 
 import io
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Final
+from types import ModuleType
+from typing import IO, TYPE_CHECKING, Final, TypeAlias
 
+from firmware_bridge.extras import ExtraMissingError, from_extras
+from firmware_bridge.mcap_file.channels import SUFFIX as MCAP
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import EPOCH, RecordingError
@@ -20,7 +23,10 @@ from firmware_bridge.wire.can import EXTENDED, REMOTE
 if TYPE_CHECKING:
     import can
 
-SUFFIXES: Final = (".asc", ".blf", ".trc")
+Note: TypeAlias = Callable[[str], None]
+"""Takes a remark on a recording that is read all the same."""
+
+SUFFIXES: Final = (".asc", ".blf", ".trc", MCAP)
 HEADER_END: Final = "no internal events logged\n"
 DAYS: Final = 1e8
 """Seconds; an instant below counts from the begin of the recording, and one above from 1970."""
@@ -33,11 +39,33 @@ def is_foreign(path: Path) -> bool:
     return path.suffix.lower() in SUFFIXES
 
 
-def frames(path: Path) -> Iterator[tuple[Nanoseconds, str, Packet]]:
-    """Yield instant, channel and frame of each message; error frames are left out.
+def _unnoted(_remark: str) -> None:
+    """Take no notice."""
 
-    RecordingError where the file is none of its format; OSError where it cannot be read.
+
+def frames(path: Path, note: Note = _unnoted) -> Iterator[tuple[Nanoseconds, str, Packet]]:
+    """Yield instant, channel and frame of each message; error frames are left out, those of MCAP aside.
+
+    RecordingError where the file is none of its format, or its extra is missing; OSError where it cannot be
+    read.
     """
+    if path.suffix.lower() == MCAP:
+        found: Iterator[tuple[Nanoseconds, str, Packet]] = mcap_reader().frames(path, note)
+        return found
+    return _of_another_tool(path)
+
+
+def mcap_reader() -> ModuleType:
+    """Return `firmware_bridge.mcap_file.reader`; RecordingError where its extra is missing."""
+    try:
+        with from_extras():
+            from firmware_bridge.mcap_file import reader  # noqa: PLC0415 - it needs an extra
+    except ExtraMissingError as error:
+        raise RecordingError(str(error)) from None
+    return reader
+
+
+def _of_another_tool(path: Path) -> Iterator[tuple[Nanoseconds, str, Packet]]:
     # 0.1 s, which no one needs whose recordings are candump's.
     import can  # noqa: PLC0415 - see above
     from can.io.blf import BLFParseError  # noqa: PLC0415 - see above

@@ -178,5 +178,5 @@ def test_it_may_be_published() -> None:
         reported = archive.read(name).decode()
     assert "Do Not Upload" not in reported
     assert "License-Expression: MIT" in reported
-    for extra in ("plants", "plots", "testing"):
+    for extra in ("mcap", "plants", "plots", "testing"):
         assert f"Provides-Extra: {extra}" in reported

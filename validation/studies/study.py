@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from emulators.extras import from_extras
+from firmware_bridge.extras import from_extras
 
 if TYPE_CHECKING:
     import numpy as np

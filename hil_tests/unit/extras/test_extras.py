@@ -5,18 +5,23 @@ import sys
 
 import pytest
 
-from emulators.extras import LIBRARIES, Extra, ExtraMissingError, from_extras, installed
+from firmware_bridge.extras import LIBRARIES, Extra, ExtraMissingError, from_extras, installed
 from validation.studies.study import Study
 
 
-@pytest.mark.parametrize("extra", LIBRARIES)
-def test_an_extra_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch, extra: Extra) -> None:
-    monkeypatch.setitem(sys.modules, LIBRARIES[extra], None)
+@pytest.mark.parametrize(
+    ("extra", "library"), [(extra, library) for extra, needed in LIBRARIES.items() for library in needed]
+)
+def test_an_extra_that_is_missing_is_named(
+    monkeypatch: pytest.MonkeyPatch, extra: Extra, library: str
+) -> None:
+    monkeypatch.setitem(sys.modules, library, None)
+    assert not installed(extra)
     with (
         pytest.raises(ExtraMissingError, match=rf"pip install 'firmware-bridge\[{extra}\]'"),
         from_extras(),
     ):
-        importlib.import_module(f"{LIBRARIES[extra]}.anything")
+        importlib.import_module(f"{library}.anything")
 
 
 def test_what_no_extra_brings_is_missing_as_it_is() -> None:

@@ -105,8 +105,8 @@ def test_a_disk_that_is_full_ends_the_recording_with_one_message_and_nothing_els
 def test_a_disk_that_is_too_slow_ends_it_before_the_memory_does(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("firmware_bridge.runtime.black_box.MOST", 10)
-    monkeypatch.setattr("firmware_bridge.runtime.black_box.EVERY_S", 60.0)
+    monkeypatch.setattr("firmware_bridge.runtime.disk_thread.MOST", 10)
+    monkeypatch.setattr("firmware_bridge.runtime.disk_thread.EVERY_S", 60.0)
     reported: list[str] = []
     with BlackBox(tmp_path, FILES, reported.append) as box:
         for at in range(100):

@@ -8,6 +8,8 @@ import pytest
 
 from emulators.replay.recordings import RecordingFileError, is_lines, read_can
 from firmware_bridge.cli.program import main
+from firmware_bridge.mcap_file.channels import SUFFIX as MCAP
+from firmware_bridge.mcap_file.writer import RecordingWriter
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import EPOCH, candump_line
@@ -31,7 +33,14 @@ def known(suffix: str) -> list[tuple[Nanoseconds, Packet]]:
 
 
 def written(path: Path) -> Path:
-    """Write the frames by python-can's own writer, and an error frame among them."""
+    """Write the frames by python-can's own writer, and an error frame among them; MCAP by this project's."""
+    if path.suffix == MCAP:
+        with path.open("wb") as file:
+            writer = RecordingWriter(file, {})
+            for at, packet in FRAMES:
+                writer.frame(at, "can0", packet, sent=False)
+            writer.finish()
+        return path
     with can.Logger(path) as out:
         for at, packet in known(path.suffix):
             address = packet.address & ~(EXTENDED | REMOTE)

@@ -6,12 +6,20 @@ from importlib.util import find_spec
 from types import MappingProxyType
 from typing import Final, Literal, TypeAlias
 
-Extra: TypeAlias = Literal["plots", "plants"]
+Extra: TypeAlias = Literal["mcap", "plots", "plants"]
 
-LIBRARIES: Final[Mapping[Extra, str]] = MappingProxyType({"plots": "matplotlib", "plants": "sympy"})
-"""The library by which each extra is known."""
+LIBRARIES: Final[Mapping[Extra, tuple[str, ...]]] = MappingProxyType(
+    {
+        # Foxglove's schemas bring protobuf; another package may have brought `mcap` alone.
+        "mcap": ("mcap", "foxglove_schemas_protobuf"),
+        "plots": ("matplotlib",),
+        "plants": ("sympy",),
+    }
+)
+"""The libraries by which each extra is known."""
 MISSING: Final[Mapping[Extra, str]] = MappingProxyType(
     {
+        "mcap": "recordings in MCAP need the library mcap and Foxglove's schemas, which are not installed",
         "plots": "pictures are drawn by Matplotlib, which is not installed",
         "plants": "a plant's equations are SymPy's, which is not installed",
     }
@@ -24,7 +32,7 @@ class ExtraMissingError(LookupError):
 
 def installed(extra: Extra) -> bool:
     """Return whether an extra is here, without importing it."""
-    return find_spec(LIBRARIES[extra]) is not None
+    return all(find_spec(library) is not None for library in LIBRARIES[extra])
 
 
 def remedy_of(extra: Extra) -> str:
@@ -40,6 +48,6 @@ def from_extras() -> Iterator[None]:
     except ModuleNotFoundError as error:
         library = (error.name or "").partition(".")[0]
         for extra, needed in LIBRARIES.items():
-            if needed == library:
+            if library in needed:
                 raise ExtraMissingError(remedy_of(extra)) from None
         raise
