@@ -26,6 +26,7 @@ from emulators.bench import mission
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.run import RunOrder, drive
 from firmware_bridge.cli.monitor import Listening
+from firmware_bridge.cli.monitor_clock import GatheringClock
 from firmware_bridge.cli.monitor_table import drawn
 from firmware_bridge.dissector.bus_picture import BusPicture
 from firmware_bridge.node import CAN
@@ -83,7 +84,7 @@ def live(lines: list[str], folder: Path) -> tuple[float, int]:
     with subprocess.Popen(words, pass_fds=[yours.fileno()]) as sender:  # noqa: S603 - it is this file
         yours.close()
         spent = time.process_time()
-        run(node, {CAN: port}, Clock(), until=SECONDS * SECOND)
+        run(node, {CAN: port}, GatheringClock(), until=SECONDS * SECOND)
         # The other process needs a while to begin; only the time of frames counts.
         percent = 100.0 * (time.process_time() - spent) * FRAMES_A_SECOND / max(1, picture.frames)
         sender.kill()

@@ -62,6 +62,23 @@ class PacedRig:
         self._end: Final = end
         self._operator: Final = operator
         self._progress: Final = progress
+        self.factor = 1.0
+        """Simulated time for each second of the clock."""
+        self.paused = False
+        self._since: Nanoseconds = 0
+        self._base: Nanoseconds = 0
+        """The world's instant at that of the clock, since it has this pace."""
+
+    def paces(self, now: Nanoseconds, *, factor: float | None = None, paused: bool | None = None) -> None:
+        """Change the pace from now on; with neither, go on from where the world is."""
+        self._since, self._base = now, self._rig.world.now
+        self.factor = self.factor if factor is None else factor
+        self.paused = self.paused if paused is None else paused
+
+    def steps(self, now: Nanoseconds, by: Nanoseconds) -> None:
+        """Pause, and let so much time pass."""
+        self._rig.run(min(self._rig.world.now + by, self._end))
+        self.paces(now, paused=True)
 
     @property
     def finished(self) -> bool:
@@ -82,7 +99,8 @@ class PacedRig:
         if self._progress is not None:
             self._progress(self._rig.world.now)
         sent = () if self._operator is None else self._operator.take()
-        return Reaction(sent, NEVER if self.finished else min(now + PACE, self._end))
+        return Reaction(sent, NEVER if self.finished else now + PACE)
 
     def _run(self, now: Nanoseconds) -> None:
-        self._rig.run(max(self._rig.world.now, min(now, self._end)))
+        gone = 0 if self.paused else round((now - self._since) * self.factor)
+        self._rig.run(max(self._rig.world.now, min(self._base + gone, self._end)))

@@ -18,10 +18,10 @@ from emulators.rig import BRIDGE, Rig
 from emulators.wires.ends import Observer
 from firmware_bridge.canopen.objects import MODE_DISPLAY, STATUSWORD
 from firmware_bridge.extras import from_extras
+from firmware_bridge.mavlink.operator_texts import OperatorTexts
 from firmware_bridge.mcap_file import channels
 from firmware_bridge.mcap_file.bridge_watch import ODOMETRY_FRAME, BridgeWatch, DriveWords
 from firmware_bridge.mcap_file.rows import EventKind, EventRow
-from firmware_bridge.mcap_file.texts import OperatorTexts
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds

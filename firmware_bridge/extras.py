@@ -6,10 +6,11 @@ from importlib.util import find_spec
 from types import MappingProxyType
 from typing import Final, Literal, TypeAlias
 
-Extra: TypeAlias = Literal["mcap", "plots", "plants"]
+Extra: TypeAlias = Literal["live", "mcap", "plots", "plants"]
 
 LIBRARIES: Final[Mapping[Extra, tuple[str, ...]]] = MappingProxyType(
     {
+        "live": ("websockets",),
         # Foxglove's schemas bring protobuf; another package may have brought `mcap` alone.
         "mcap": ("mcap", "foxglove_schemas_protobuf"),
         "plots": ("matplotlib",),
@@ -19,6 +20,7 @@ LIBRARIES: Final[Mapping[Extra, tuple[str, ...]]] = MappingProxyType(
 """The libraries by which each extra is known."""
 MISSING: Final[Mapping[Extra, str]] = MappingProxyType(
     {
+        "live": "the live page is served by the library websockets, which is not installed",
         "mcap": "recordings in MCAP need the library mcap and Foxglove's schemas, which are not installed",
         "plots": "pictures are drawn by Matplotlib, which is not installed",
         "plants": "a plant's equations are SymPy's, which is not installed",

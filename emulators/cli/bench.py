@@ -47,7 +47,9 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge bench rars --mission line --realtime` takes faults by `firmware-bridge inject` as it runs.
 
-`firmware-bridge bench rars --realtime --mavlink udpin:127.0.0.1:14550` is driven by a ground station."""
+`firmware-bridge bench rars --realtime --mavlink udpin:127.0.0.1:14550` is driven by a ground station.
+
+`firmware-bridge bench rars --mission circles --realtime --live` is shown in a browser."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,6 +127,14 @@ class BenchOptions:
             "udpout:127.0.0.1:14550 or udpin:127.0.0.1:PORT.",
         ),
     ] = None
+    live: Annotated[
+        bool,
+        typer.Option(
+            "--live",
+            help="With --realtime: a page for a browser on this machine, which shows the bench, takes "
+            "faults, pauses, rewinds and drives; its address is printed.",
+        ),
+    ] = False
     duration: Annotated[
         float | None,
         typer.Option(

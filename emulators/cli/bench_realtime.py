@@ -9,7 +9,7 @@ from firmware_bridge.units import NEVER, Nanoseconds
 if TYPE_CHECKING:
     from emulators.rig import Rig
     from emulators.run import Carry, RunOrder
-    from firmware_bridge.cli.links import Openers
+    from firmware_bridge.runtime.ports import Port
 
 HOUR_S: Final = 3600.0
 STATIONS: Final = """title = "Driven by stations"
@@ -38,6 +38,10 @@ class RealTimeOptions(Protocol):
         """The stations' link in place of the mission's operator."""
 
     @property
+    def live(self) -> bool:
+        """True with a page for a browser."""
+
+    @property
     def duration(self) -> float | None:
         """Time in s after which a run with stations ends."""
 
@@ -46,7 +50,7 @@ def check(given: RealTimeOptions) -> None:
     """End the program where an option needs another one, or others could drive the robot."""
     from firmware_bridge.cli.trusted import trust_of
 
-    stray = [name for name in ("control", "mavlink") if getattr(given, name) is not None]
+    stray = [name for name in ("control", "mavlink", "live") if getattr(given, name)]
     if not given.realtime and stray:
         raise refusal(f"--{stray[0]} needs --realtime: virtual time waits for no one")
     if given.duration is not None and given.mavlink is None:
@@ -64,7 +68,8 @@ def in_real_time(given: RealTimeOptions, order: "RunOrder", title: str) -> "Carr
     """Return what carries a rig at the clock's pace; an error ends the program with a message."""
 
     def carry_rig(rig: "Rig", end: Nanoseconds, progress: Callable[[Nanoseconds], None]) -> None:
-        from emulators.cli.emulation import NONE, UNIX, controlled
+        from emulators.cli.emulation import NONE, UNIX, control_port
+        from emulators.control.desk import CONTROL, Desk
         from emulators.control.live import Live
         from emulators.paced import OutsideOperator, PacedRig
         from firmware_bridge.cli.real_time import carry
@@ -73,14 +78,41 @@ def in_real_time(given: RealTimeOptions, order: "RunOrder", title: str) -> "Carr
         from firmware_bridge.runtime.ports import UdpPort
 
         operator = order.operator if isinstance(order.operator, OutsideOperator) else None
-        node: Node = PacedRig(rig, end, operator, progress)
-        link = given.mavlink
-        openers: Openers = {} if link is None else {OPERATOR: lambda: UdpPort(link)}
-        clock, place = LivedClock(), given.control or UNIX
+        link, place, clock = given.mavlink, given.control or UNIX, LivedClock()
+        reports: list[Callable[[str], None]] = [say]
+        live = Live(order.robot, rig.devices, rig.world, rig.devices.plant, rig.faults, in_reach=True)
+        paced = PacedRig(rig, end, operator, progress)
+
+        def report(text: str) -> None:
+            for one in reports:
+                one(text)
+
+        desk = Desk(paced, live, report, clock)
+        node: Node = desk
+        openers: dict[str, Callable[[], Port]] = {}
+        if link is not None:
+            openers[OPERATOR] = lambda: UdpPort(link)
         if place != NONE:
-            live = Live(order.robot, rig.devices, rig.world, rig.devices.plant, rig.faults, in_reach=True)
-            node, openers = controlled(node, openers, live, place, (say, clock))
+            openers[CONTROL] = lambda: control_port(place, order.robot.name)
+        if given.live:
+            from emulators.live.bench import LIVE, LiveBench
+
+            node = page = LiveBench(rig, paced, desk, title)
+            reports.append(page.report)
+            openers[LIVE] = _page_port
         stations = "" if link is None else f", operator on {link}"
         carry(node, openers, NEVER, f"{title} in real time{stations}", clock=clock)
 
     return carry_rig
+
+
+def _page_port() -> "Port":
+    """Open the live page's port, and print its address. PortError; ExtraMissingError."""
+    from firmware_bridge.extras import from_extras
+
+    with from_extras():
+        from firmware_bridge.live.socket import LiveSocket
+
+    port = LiveSocket()
+    say(f"live page: {port.name}")
+    return port

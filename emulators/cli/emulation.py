@@ -75,7 +75,7 @@ def run(given: RunOptions, emulation: Emulation) -> None:
         node = emulation.around(around(emulation.node))
         clock = LivedClock()
         if live is not None:
-            node, openers = controlled(node, openers, live, place, (report, clock))
+            node, openers = _controlled(node, openers, live, place, (report, clock))
         carry(
             node,
             openers,
@@ -88,17 +88,17 @@ def run(given: RunOptions, emulation: Emulation) -> None:
         say(emulation.ended())
 
 
-def controlled(
+def _controlled(
     node: Node, openers: "Openers", live: "Live", where: str, run: "tuple[Callable[[str], None], LivedClock]"
 ) -> "tuple[Node, Openers]":
     """Put the control desk around a node, and its port beside the others; `run` has its report and clock."""
     from emulators.control.desk import CONTROL, Desk
 
     desk = Desk(node, live, *run)
-    return desk, {**openers, CONTROL: lambda: _port(where, live.robot.name)}
+    return desk, {**openers, CONTROL: lambda: control_port(where, live.robot.name)}
 
 
-def _port(where: str, title: str) -> "ControlSocket":
+def control_port(where: str, title: str) -> "ControlSocket":
     """Open the control port; by default devices run without it where that is not possible. PortError."""
     from firmware_bridge.runtime.ports import PortError
     from firmware_bridge.runtime.ports.control_socket import ControlSocket

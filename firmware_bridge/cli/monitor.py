@@ -4,6 +4,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, TypeAlias
@@ -34,6 +35,8 @@ from firmware_bridge.runtime import can_files
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 if TYPE_CHECKING:
+    from rich.live import Live
+
     from firmware_bridge.cli.monitor_frames import FrameLines
     from firmware_bridge.dissector.bus_picture import BusPicture
 
@@ -61,8 +64,9 @@ class MonitorOptions:
 
     It sends nothing, unless with --ask. On a terminal the display is refreshed; elsewhere each change
     is a line, and the display comes at the end. A PDO is read by the robot file's mapping, or by one
-    that was seen to be written; the bytes of others are shown as they are. Ends on Ctrl-C. A recording
-    of serial lines or of cameras is shown line by line, by the protocols of --robot.
+    that was seen to be written; one that is merely the default of a known maker is marked, and the bytes
+    of others are shown as they are. Ends on Ctrl-C. A recording of serial lines or of cameras is shown
+    line by line, by the protocols of --robot.
     """
 
     interface: InterfaceOption = None
@@ -114,7 +118,7 @@ class MonitorOptions:
             "--node",
             "-n",
             metavar="NUMBERS",
-            help="Only frames of these nodes and to them: 1, or 1-8, or 1,3.",
+            help="Only frames and events of these nodes, and frames to them: 1, or 1-8, or 1,3.",
         ),
     ] = None
     duration: DurationOption = None
@@ -135,27 +139,35 @@ class Listening:
         show: _Show,
         draw: Callable[[], None],
         frames: "FrameLines | None" = None,
+        end: Callable[[], None] = lambda: None,
     ) -> None:
         self._picture = picture
         self._show = show
         self._frames = frames
         self._draw = draw
-        self._draw_at: Nanoseconds = 0
+        self._end = end
+        self._reaction = Reaction((), 0)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take a frame."""
-        if self._frames is None:
-            self._show(self._picture.note(now, packet))
-        else:
+        if self._frames is not None:
             self._frames.note(now, packet)
-        return Reaction((), self._draw_at)
+        elif texts := self._picture.note(now, packet):
+            self._show(texts)
+        return self._reaction
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Draw the picture, and again a little later."""
-        self._show(self._picture.pass_time(now))
+        self._show(self._picture.pass_time(now) if self._frames is None else self._frames.late(now))
         self._draw()
-        self._draw_at = now + DRAW_EVERY
-        return Reaction((), self._draw_at)
+        self._reaction = Reaction((), now + DRAW_EVERY)
+        return self._reaction
+
+    def stop(self, _now: Nanoseconds) -> Reaction:
+        """Draw for the last time: what is printed after it stands below."""
+        self._draw()
+        self._end()
+        return Reaction()
 
 
 def run(given: MonitorOptions) -> None:
@@ -238,21 +250,23 @@ def _names_its_side(first: list[tuple[int, str]]) -> bool:
 def _live(given: MonitorOptions, picture: "BusPicture") -> None:
     from rich.live import Live
 
+    from firmware_bridge.cli.monitor_clock import GatheringClock
     from firmware_bridge.cli.monitor_mappings import MappingReader
-    from firmware_bridge.cli.monitor_table import drawn
     from firmware_bridge.cli.real_time import carry
     from firmware_bridge.cli.tables import terminal
     from firmware_bridge.node import CAN
     from firmware_bridge.runtime.ports import open_can
 
-    frames = _frame_lines(given, picture)
+    frames, clock = _frame_lines(given, picture), None
     with ExitStack() as stack:
         if frames is not None:
             node = Listening(picture, lambda texts: _lines(picture, texts), lambda: None, frames)
         elif on_a_terminal():
             # Only the node draws: a thread of its own would read the picture while a frame changes it.
-            shown = stack.enter_context(Live(console=terminal(), auto_refresh=False))
-            node = Listening(picture, lambda _: None, lambda: shown.update(drawn(picture), refresh=True))
+            live = Live(console=terminal(), auto_refresh=False, redirect_stdout=False, redirect_stderr=False)
+            shown, clock = stack.enter_context(live), GatheringClock()
+            draw = partial(_draw, shown, picture)
+            node = Listening(picture, lambda _: None, draw, end=shown.stop)
         else:
             stack.callback(_at_the_end, picture)
             node = Listening(picture, lambda texts: _lines(picture, texts), lambda: None)
@@ -261,7 +275,14 @@ def _live(given: MonitorOptions, picture: "BusPicture") -> None:
             {CAN: lambda: open_can(given.interface, given.channel, picture.bit_rate, say=say)},
             until(given.duration),
             f"listening on {given.channel or 'the configured bus'}",
+            clock=clock,
         )
+
+
+def _draw(shown: "Live", picture: "BusPicture") -> None:
+    from firmware_bridge.cli.monitor_table import drawn
+
+    shown.update(drawn(picture), refresh=True)
 
 
 def _at_the_end(picture: "BusPicture") -> None:
@@ -281,10 +302,11 @@ def on_a_terminal() -> bool:
 
 
 def _lines(picture: "BusPicture", texts: tuple[str, ...]) -> None:
+    from firmware_bridge.cli.monitor_grid import printable
     from firmware_bridge.cli.monitor_table import instant
 
     for text in texts:
-        say(f"{instant(picture, picture.now)}  {text}")
+        say(f"{instant(picture, picture.now)}  {printable(text)}")
 
 
 def _picture(given: MonitorOptions) -> "BusPicture":

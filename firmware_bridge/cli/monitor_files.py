@@ -15,6 +15,9 @@ from firmware_bridge.units import Nanoseconds
 _ON_SCREEN: Final = re.compile(r"\s*\S+\s+[0-9A-Fa-f]{3,8}\s+\[\d+\]")
 _OPENERS: Final[Mapping[str, Callable[..., IO[str]]]] = {".gz": gzip.open, ".xz": lzma.open}
 
+RECORD: Final = "record while frames are sent, as with candump -L"
+"""What to do where a recording is empty."""
+
 Frame: TypeAlias = tuple[Nanoseconds, str, Packet]
 """Instant, bus, frame."""
 
@@ -74,7 +77,10 @@ def foreign(path: Path) -> Iterator[Frame]:
 def of_one_bus(
     path: str, channel: str | None, frames: Iterator[Frame]
 ) -> "Iterator[tuple[Nanoseconds, Packet]]":
-    """Yield the frames of one bus of a recording; others in it end the program, where none was chosen."""
+    """Yield the frames of one bus of a recording; others in it end the program, where none was chosen.
+
+    A recording without a frame is reported, and ends the program where a bus was chosen.
+    """
     received: set[str] = set()
     for at, bus, packet in frames:
         received.add(bus)
@@ -84,5 +90,10 @@ def of_one_bus(
             yield at, packet
     if channel is not None and channel not in received:
         others = ", ".join(sorted(received))
-        has = f"it holds frames of {others}; name one of these with -c" if others else "it is empty"
+        has = (
+            f"it holds frames of {others}; name one of these with -c" if others else f"it is empty; {RECORD}"
+        )
         raise refusal(f"{path}: holds no frame of '{channel}': {has}")
+    if not received:
+        # Without a bus to look for, an empty recording is no error.
+        say(f"firmware-bridge: {path}: holds no frame; {RECORD}", err=True)

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from firmware_bridge.cli.console import refusal, say
+from firmware_bridge.cli.monitor_grid import printable
 from firmware_bridge.cli.monitor_table import address_text, instant
 from firmware_bridge.cli.node_numbers import numbers
 from firmware_bridge.dissector.canopen import SERVICE_NAMES, service_name
@@ -79,8 +80,7 @@ class FrameLines:
     def note(self, now: Nanoseconds, packet: Packet) -> None:
         """Take a frame; print it where it is to be shown, and what has changed with it."""
         # A heartbeat that is overdue is another node's event than this frame.
-        late = self.picture.overdue(now)
-        changed = [text for node, text in late if not self.chosen.nodes or node in self.chosen.nodes]
+        changed = self.late(now)
         texts = self.picture.note(now, packet)
         if self.chosen.of_node(self.picture, packet):
             changed += texts
@@ -88,9 +88,14 @@ class FrameLines:
         self._last[packet.address] = packet.payload
         if self.changes:
             for text in changed:
-                say(f"{instant(self.picture, now):>12}       {text}")
+                say(f"{instant(self.picture, now):>12}       {printable(text)}")
             if before == packet.payload:
                 return
         if self.chosen.has(self.picture, packet):
             at, name = instant(self.picture, now), address_text(packet.address)
-            say(f"{at:>12}  {name:>4} {self.picture.text_of(packet)}")
+            say(f"{at:>12}  {name:>4} {printable(self.picture.text_of(packet))}")
+
+    def late(self, now: Nanoseconds) -> tuple[str, ...]:
+        """Take note that it is `now`; return a text for each chosen node whose heartbeat is overdue now."""
+        late = self.picture.overdue(now)
+        return tuple(text for node, text in late if not self.chosen.nodes or node in self.chosen.nodes)

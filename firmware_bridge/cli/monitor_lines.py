@@ -35,7 +35,7 @@ def show_lines(order: LinesOrder, lines: Iterable[tuple[int, str]]) -> None:
     known = None if order.robot is None else set(kinds)
     if known is not None and order.link is not None and order.link not in kinds:
         raise refusal(f"-c {order.link}: {order.robot} has no such link; it has: {', '.join(kinds)}")
-    dissector = Dissector(kinds)
+    dissector, seen = Dissector(kinds), dict[str, None]()
     for where, carried, spoken in _carried(order, lines):
         if known is None and spoken is not None:
             kinds[carried.link] = spoken
@@ -43,8 +43,12 @@ def show_lines(order: LinesOrder, lines: Iterable[tuple[int, str]]) -> None:
             has = f"{order.robot} has no link '{carried.link}'; it has: {', '.join(kinds)}"
             unknown = f"nothing states what the link '{carried.link}' speaks; name its robot with --robot"
             raise refusal(f"{where}: {unknown if known is None else has}", WRONG_INPUT)
+        seen[carried.link] = None
         if order.link in {None, carried.link}:
             say(dissector.read(carried))
+    if order.link not in {None, *seen}:
+        nothing = f"{order.path}: holds nothing of '{order.link}', but of {', '.join(seen)}"
+        say(f"firmware-bridge: {nothing}", err=True)
 
 
 def _kinds(order: LinesOrder) -> dict[str, str]:

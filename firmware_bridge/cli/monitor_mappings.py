@@ -14,7 +14,7 @@ from firmware_bridge.canopen.pdo import (
     TRANSMIT_PARAMETER,
 )
 from firmware_bridge.canopen.sdo import UploadResponse, decode_response, encode_upload
-from firmware_bridge.node import CAN, Node
+from firmware_bridge.node import CAN, Node, Stoppable
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
@@ -70,6 +70,10 @@ class MappingReader:
         for node in [node for node, at in self._requested_at.items() if now - at >= PATIENCE]:
             del self._requested_at[node]
         return Reaction(self._next(now), reaction.wake_at)
+
+    def stop(self, now: Nanoseconds) -> Reaction:
+        """Stop the one that listens, and read nothing any more."""
+        return self._listening.stop(now) if isinstance(self._listening, Stoppable) else Reaction()
 
     def _next(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return the next request of each node that has none under way."""

@@ -1,9 +1,11 @@
 """Output of a picture of a bus: a line on the whole, a table of nodes, a table of messages."""
 
+from functools import lru_cache
+
 from rich.console import Group
-from rich.table import Table
 from rich.text import Text
 
+from firmware_bridge.cli.monitor_grid import Grid
 from firmware_bridge.dissector.bus_picture import BusPicture, NodeSeen
 from firmware_bridge.units import MILLISECOND, to_seconds
 from firmware_bridge.wire.can import EXTENDED, EXTENDED_MASK, REMOTE, identifier
@@ -34,16 +36,14 @@ def _error(picture: BusPicture) -> str:
     return "last error: none" if error is None else f"last error: {instant(picture, error.at)}, {error.text}"
 
 
-def _nodes(picture: BusPicture) -> Table:
-    table = Table(title="nodes")
-    for heading in ("node", "network", "heartbeat", "statusword", "emergencies"):
-        table.add_column(heading, overflow="fold")
+def _nodes(picture: BusPicture) -> Grid:
+    rows = []
     for one in picture.nodes:
         name = f"{one.node} {one.title}".rstrip()
         network = "unknown" if one.network is None else one.network.title
         emergencies = f"{one.emergencies}: {one.emergency}" if one.emergency else "none"
-        table.add_row(*map(Text, (name, network, _beat(one), one.status or "not received", emergencies)))
-    return table
+        rows.append((name, network, _beat(one), one.status or "not received", emergencies))
+    return Grid("nodes", ("node", "network", "heartbeat", "statusword", "emergencies"), rows)
 
 
 def _beat(one: NodeSeen) -> str:
@@ -52,15 +52,15 @@ def _beat(one: NodeSeen) -> str:
     return "not received" if one.period is None else f"{one.period / MILLISECOND:.0f} ms"
 
 
-def _messages(picture: BusPicture) -> Table:
-    table = Table(title="messages")
-    for heading in ("id", "what", "frames", "1/s", "the last one"):
-        table.add_column(heading, overflow="fold")
-    for address, title, text, count, rate in picture.messages():
-        table.add_row(address_text(address), Text(title), f"{count:6}", f"{rate:4.0f}", Text(text))
-    return table
+def _messages(picture: BusPicture) -> Grid:
+    rows = [
+        (address_text(address), title, f"{count:6}", f"{rate:4.0f}", text)
+        for address, title, text, count, rate in picture.messages()
+    ]
+    return Grid("messages", ("id", "what", "frames", "1/s", "the last one"), rows)
 
 
+@lru_cache(maxsize=4096)
 def address_text(address: int) -> str:
     """Return an identifier as candump shows it; a remote request is marked."""
     # 11 bits in three digits, 29 bits in eight, as candump shows them.

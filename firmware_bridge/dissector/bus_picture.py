@@ -32,6 +32,8 @@ MISSED: Final = 2
 """A heartbeat is missing after so many of its own periods. Assumed: consumers wait about as long; CiA 301
 leaves it to who sets them up."""
 _NO_STATUS: Final = ""
+_DATA: Final = frozenset({PDO, "sync"})
+"""Kinds of frames that change nothing by which others are read."""
 _COMMANDED: Final[Mapping[NmtCommand | None, NmtState | None]] = {
     NmtCommand.START: NmtState.OPERATIONAL,
     NmtCommand.STOP: NmtState.STOPPED,
@@ -79,10 +81,15 @@ class MessageSeen:
 
     packet: Packet
     """The last one."""
+    kind: str
+    """See `service_name`."""
     read: tuple[str, str] | None = None
     """Its kind, and its decoded text; None where it was not read yet."""
     version: int = -1
-    """Of what was known of the nodes as it was read."""
+    """The reader's `version` when the following was looked up."""
+    sender: int | None = None
+    status: tuple[int, int, int] | None = None
+    """Of a PDO with the sender's Statusword: its length, and where the Statusword is."""
     count: int = 0
     lately: Lately = field(default_factory=lambda: Lately(RECENT))
 
@@ -186,19 +193,13 @@ class BusPicture:
         self._burst.add(now, bits)
         message = self._messages.get(address)
         if message is None:
-            message = self._messages[address] = MessageSeen(packet)
-        # A PDO that repeats changes nothing, as long as it is read as before.
-        repeats = message.version == self._reader.version and message.packet.payload == packet.payload
+            message = self._messages[address] = MessageSeen(packet, service_name(packet))
         # Decoded when it is shown: most frames of a busy bus are never looked at.
-        message.packet = packet
-        message.read = message.read if repeats else None
+        message.packet, message.read = packet, None
         message.count += 1
         message.lately.add(now, 1)
-        if repeats and service_name(packet) == PDO:
-            return late
-        changes = tuple(self._changes(now, packet, message))
-        message.version = self._reader.version
-        return (*late, *changes)
+        changes = self._process_data(message) if message.kind in _DATA else self._changes(now, message)
+        return (*late, *changes) if late or changes else ()
 
     def pass_time(self, now: Nanoseconds) -> tuple[str, ...]:
         """Take note that it is `now`, and of heartbeats that are overdue."""
@@ -213,29 +214,53 @@ class BusPicture:
         self._look_at = min(map(self._due, self._nodes.values()), default=NEVER)
         return found
 
-    def _changes(self, now: Nanoseconds, packet: Packet, message: MessageSeen) -> Iterator[str]:
-        """Follow a frame, and say what it has changed; PDOs are read when they are shown."""
-        kind = service_name(packet)
+    def _process_data(self, message: MessageSeen) -> tuple[str, ...]:
+        """Follow a PDO or a SYNC, and return what it has changed; it is read when it is shown."""
+        if message.version != self._reader.version:
+            message.sender = self._reader.sender(message.packet)
+            message.status = self._reader.place(message.packet, od.STATUSWORD)
+            message.version = self._reader.version
+        node = message.sender
+        if not node:
+            return ()
+        seen, found = self._nodes.get(node), tuple[str, ...]()
+        if seen is None:
+            seen, found = self._found(node)
+        payload = message.packet.payload
+        if message.status is None or len(payload) != message.status[0]:
+            return found
+        raw = payload[message.status[1] : message.status[2]]
+        return found if raw == seen.raw_status else (*found, self._status(seen, raw))
+
+    def _changes(self, now: Nanoseconds, message: MessageSeen) -> list[str]:
+        """Follow a frame of a service, and return what it has changed."""
+        packet, kind, found = message.packet, message.kind, list[str]()
         # Services change what the reader knows, so they are read in order; process data does not.
-        if kind not in {"pdo", "sync"}:
-            message.read = self._read(packet)
+        message.read = self._read(packet)
         node = None if packet.address & REMOTE else self._reader.sender(packet)
         if node is not None and node != MASTER and node not in self._nodes:
-            self._nodes[node] = NodeSeen(node, self._titles.get(node, ""))
-            yield f"node {node} is there"
-        if kind == "nmt" and message.read is not None:
+            found += self._found(node)[1]
+        if kind == "nmt":
             self._commanded(packet.payload)
-            yield ": ".join(filter(None, message.read))
+            found.append(": ".join(filter(None, message.read)))
         elif kind == "sdo":
-            yield from self._aborted(packet, message)
+            found += self._aborted(packet, message)
         seen = self._nodes.get(MASTER if node is None else node)
         if seen is None:
-            return
+            return found
         if kind == "heartbeat":
-            yield from self._beats(seen, now, packet.payload)
+            found += self._beats(seen, now, packet.payload)
         elif kind == "emergency":
-            yield from self._emergency(seen, packet, message)
-        yield from self._status(packet)
+            found += self._emergency(seen, packet, message)
+        raw = dict(self._reader.objects(packet)[1]).get(od.STATUSWORD)
+        if raw is not None and raw != seen.raw_status:
+            found.append(self._status(seen, raw))
+        return found
+
+    def _found(self, node: int) -> tuple[NodeSeen, tuple[str, ...]]:
+        """Take down a node that was not known."""
+        seen = self._nodes[node] = NodeSeen(node, self._titles.get(node, ""))
+        return seen, (f"node {node} is there",)
 
     def _commanded(self, payload: bytes) -> None:
         """Take the nodes that are commanded for obedient, until they say otherwise."""
@@ -289,16 +314,11 @@ class BusPicture:
         if message.read is not None and isinstance(decode(packet.payload), sdo.Abort):
             yield self._wrong(": ".join(message.read))
 
-    def _status(self, packet: Packet) -> Iterator[str]:
-        """Take the statusword, where a frame brings it."""
-        node, objects = self._reader.objects(packet)
-        raw = dict(objects).get(od.STATUSWORD)
-        seen = self._nodes.get(node)
-        if raw is None or seen is None or raw == seen.raw_status:
-            return
+    def _status(self, seen: NodeSeen, raw: bytes) -> str:
+        """Take another Statusword."""
         seen.raw_status = raw
-        seen.status = self._reader.value(node, od.STATUSWORD, raw)
-        yield f"node {node}: statusword {seen.status}"
+        seen.status = self._reader.value(seen.node, od.STATUSWORD, raw)
+        return f"node {seen.node}: statusword {seen.status}"
 
     def _overdue(self, seen: NodeSeen) -> bool:
         return self.now >= self._due(seen)

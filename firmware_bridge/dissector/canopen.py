@@ -136,6 +136,23 @@ class Canopen:
         """A number that changes with everything that changes how a frame is read."""
         return self._nodes.version
 
+    def place(self, packet: Packet, address: Address) -> tuple[int, int, int] | None:
+        """Return where a transmit PDO has an object: its length, the object's begin and end; None if nowhere.
+
+        It holds for all frames with that identifier while `version` stays.
+        """
+        number = identifier(packet.address)
+        if packet.address & REMOTE or service_name(packet) != PDO:
+            return None
+        for owner, _, mapping in self._nodes.candidates(number):
+            if mapping < TRANSMIT_MAPPING or not self._known(owner, mapping):
+                return None
+            bits, places = self._nodes.places(owner, mapping)
+            # Of an object that is mapped twice the last one counts, as in `objects`.
+            found = [place for place in places if place.address == address]
+            return (bits // 8, found[-1].begin, found[-1].end) if found and not bits % 8 else None
+        return None
+
     def value(self, node: int, address: Address, raw: bytes) -> str:
         """Return an object's value for people, with its unit and what its bits say."""
         return self._nodes.value(node, address, raw)

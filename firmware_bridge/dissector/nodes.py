@@ -1,11 +1,13 @@
 """The nodes on a bus, by the writes to them: their PDOs, and the decoding of values."""
 
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Final
 
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.drive_words import BY_MODE
 from firmware_bridge.canopen.pdo import (
     MAX_ENTRIES,
     RECEIVE_MAPPING,
@@ -19,6 +21,8 @@ from firmware_bridge.dissector.dictionary import Dictionary
 _SAVE: Final = Address(0x1010, 1)
 _IN_BITS: Final = frozenset({od.CONTROLWORD, od.STATUSWORD, od.ERROR_REGISTER})
 """Objects whose value is written in hexadecimal digits, beside COB-IDs and mappings."""
+_KEPT: Final = 4096
+"""So many values are kept decoded."""
 PDO_OBJECTS: Final = range(RECEIVE_PARAMETER, TRANSMIT_MAPPING + 0x200)
 
 
@@ -27,6 +31,15 @@ def _in_bits(address: Address) -> bool:
         return address in _IN_BITS
     mapping = address.index & 0x200
     return address.subindex in (range(1, MAX_ENTRIES + 1) if mapping else (1,))
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """An object in the bytes of a PDO."""
+
+    address: Address
+    begin: int
+    end: int
 
 
 class Nodes:
@@ -44,7 +57,9 @@ class Nodes:
         self.version = 0
         """Changes with everything that changes how a frame is read."""
         self._found: dict[int, tuple[tuple[int, str, int], ...]] = {}
-        self._mappings: dict[tuple[int, int], tuple[MappingEntry, ...]] = {}
+        self._mappings: dict[tuple[int, int], tuple[int, tuple[Place, ...]]] = {}
+        # Of the values that a bus carries most are those of the cycle before.
+        self._values: dict[tuple[int, Address, bytes], str] = {}
 
     @property
     def known(self) -> tuple[int, ...]:
@@ -70,7 +85,6 @@ class Nodes:
 
     def note(self, node: int, address: Address, raw: bytes) -> None:
         """Take note of what is written to a node."""
-        self.version += 1
         if node not in self._written:
             self._look_again()
         written = self._written.setdefault(node, {})
@@ -80,7 +94,8 @@ class Nodes:
         row = self.of(node).rows.get(address)
         if row is not None and row.type.size:
             written[address] = row.type.decode(raw[: row.type.size])
-            if address.index in PDO_OBJECTS:
+            # The mode gives the bits of other objects their meaning.
+            if address.index in PDO_OBJECTS or address == od.MODE:
                 self._look_again()
 
     def expect(self, node: int, written: Iterable[tuple[Address, bytes]]) -> None:
@@ -95,8 +110,11 @@ class Nodes:
         return any(Address(mapping, place) in written for place in range(MAX_ENTRIES + 1))
 
     def stated(self, node: int, mapping: int) -> bool:
-        """Return whether a PDO's mapping was written, read, or given by a data sheet."""
-        return self.mapped(node, mapping) or Address(mapping, 0) in self._sheet
+        """Return whether all of a PDO's mapping was written, read, or given by a data sheet."""
+        written = self._written.get(node, {})
+        entries = range(min(self.entry(node, mapping, 0), MAX_ENTRIES) + 1)
+        known = (Address(mapping, place) for place in entries)
+        return all(one in written or one in self._sheet for one in known)
 
     def forget(self, node: int) -> None:
         """Know of a node that restarts only what it has saved."""
@@ -115,16 +133,27 @@ class Nodes:
 
     def value(self, node: int, address: Address, raw: bytes) -> str:
         """Return an object's value for people, with its unit and what its bits say."""
-        row = self.of(node).rows.get(address)
+        key = (node, address, raw)
+        text = self._values.get(key)
+        if text is None:
+            if len(self._values) >= _KEPT:
+                self._values.clear()
+            text = self._values[key] = self._value(node, address, raw)
+        return text
+
+    def _value(self, node: int, address: Address, raw: bytes) -> str:
+        read = self.of(node)
+        row = read.rows.get(address)
         if row is not None and 0 < row.type.size < len(raw):
             raw = raw[: row.type.size]  # a client that gives no size sends four bytes
-        read = self.of(node)
         value = read.rows.decoded(address, raw)
-        mode = read.words.mode_of(self._written.get(node, {}).get(od.MODE, 0))
+        mode = None
+        if address in BY_MODE:
+            mode = read.words.mode_of(self._written.get(node, {}).get(od.MODE, 0))
         text = read.words.words(address, value, mode)
         in_bits = isinstance(value, int) and _in_bits(address)
         number = f"0x{value:0{2 * len(raw)}X}" if in_bits else f"{value}"
-        unit = read.rows.unit_of(address)
+        unit = "" if row is None else row.unit
         return number + (f" {unit}" if unit else "") + (f" ({', '.join(text)})" if text else "")
 
     def candidates(self, number: int) -> tuple[tuple[int, str, int], ...]:
@@ -138,6 +167,7 @@ class Nodes:
         self.version += 1
         self._found.clear()
         self._mappings.clear()
+        self._values.clear()
 
     def _candidates(self, number: int) -> Iterator[tuple[int, str, int]]:
         predefined = number & cia301.NODE_MASK
@@ -156,22 +186,28 @@ class Nodes:
 
     def contents(self, node: int, mapping: int, payload: bytes) -> list[tuple[Address, bytes]]:
         """Return each mapped object with its bytes; none where the bytes are not those of the mapping."""
-        entries = self._mappings.get((node, mapping))
-        if entries is None:
-            entries = self._mappings[node, mapping] = self._mapped_entries(node, mapping)
+        bits, places = self.places(node, mapping)
         # Decoded by a wrong mapping the values would look plausible.
-        if sum(entry.bits for entry in entries) != 8 * len(payload):
+        if bits != 8 * len(payload):
             return []
-        found, begin = [], 0
-        for entry in entries:
-            end = begin + entry.bits // 8
-            found.append((entry.address, payload[begin:end]))
-            begin = end
+        return [(place.address, payload[place.begin : place.end]) for place in places]
+
+    def places(self, node: int, mapping: int) -> tuple[int, tuple[Place, ...]]:
+        """Return the bits of a mapping, and where its objects are."""
+        found = self._mappings.get((node, mapping))
+        if found is None:
+            found = self._mappings[node, mapping] = self._places(node, mapping)
         return found
 
-    def _mapped_entries(self, node: int, mapping: int) -> tuple[MappingEntry, ...]:
+    def _places(self, node: int, mapping: int) -> tuple[int, tuple[Place, ...]]:
         count = min(self.entry(node, mapping, 0), MAX_ENTRIES)
-        return tuple(MappingEntry.decode(self.entry(node, mapping, place + 1)) for place in range(count))
+        places, bits, begin = list[Place](), 0, 0
+        for number in range(count):
+            entry = MappingEntry.decode(self.entry(node, mapping, number + 1))
+            end = begin + entry.bits // 8
+            places.append(Place(entry.address, begin, end))
+            bits, begin = bits + entry.bits, end
+        return bits, tuple(places)
 
     def fields(self, node: int, mapping: int, payload: bytes) -> list[str]:
         """Return name and value of each mapped object; none where the bytes are not those of the mapping."""

@@ -11,8 +11,8 @@ from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import Final, Self, TypeAlias
 
+from firmware_bridge.mavlink.operator_texts import OperatorTexts
 from firmware_bridge.mcap_file.bridge_watch import BridgeWatch, Look
-from firmware_bridge.mcap_file.texts import OperatorTexts
 from firmware_bridge.mcap_file.writer import RecordingWriter
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet

@@ -345,7 +345,20 @@ def test_an_empty_recording_has_no_frame_of_a_bus(tmp_path: Path) -> None:
     log.write_text("")
     result = run("--log", str(log), "-c", "can0")
     assert result.exit_code == 2
-    assert "holds no frame of 'can0': it is empty" in " ".join(result.stderr.split())
+    assert "holds no frame of 'can0': it is empty; record while" in " ".join(result.stderr.split())
+    for words in ((), ("--lines",)):
+        result = run("--log", str(log), *words)
+        assert result.exit_code == 0
+        assert "can.log: holds no frame; record while frames are sent" in result.stderr
+
+
+def test_a_link_that_a_recording_of_lines_does_not_have_is_reported(tmp_path: Path) -> None:
+    path = tmp_path / "serial.log"
+    path.write_text(LINES.replace("board", "board~ros-arduino-bridge"), encoding="ascii")
+    other = run("--log", str(path), "-c", "other")
+    assert other.stdout == ""
+    assert other.stderr.endswith("serial.log: holds nothing of 'other', but of board\n")
+    assert run("--log", str(path), "-c", "board").stderr == ""
 
 
 def test_on_a_bus_frames_are_lines_too(monkeypatch: pytest.MonkeyPatch) -> None:

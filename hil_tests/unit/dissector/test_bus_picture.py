@@ -104,9 +104,11 @@ def test_a_pdo_is_read_by_a_mapping_that_was_seen_and_else_shown_as_it_is() -> N
     rows = {title: stated for _, title, stated, _, _ in reported(STORY[:7]).messages()}
     assert rows["TPDO 1, node 3"] == "37 05, by a mapping that is not known"
     rows = {title: stated for _, title, stated, _, _ in reported(STORY[:10]).messages()}
-    assert rows["TPDO 1, node 3"] == f"0x6041 Statusword = 0x0737 (operation enabled, {ON}, target reached)"
+    # Only the number of its objects was seen.
+    read = rows["TPDO 1, node 3 (default mapping)"]
+    assert read == f"0x6041 Statusword = 0x0737 (operation enabled, {ON}, target reached)"
     rows = {title: stated for _, title, stated, _, _ in reported(STORY[:11]).messages()}
-    assert rows["TPDO 1, node 3"] == "bytes that do not fit its mapping"
+    assert rows["TPDO 1, node 3 (default mapping)"] == "bytes that do not fit its mapping"
 
 
 def test_a_robot_file_names_the_drives_and_their_pdos_even_after_a_restart() -> None:

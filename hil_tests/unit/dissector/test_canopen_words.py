@@ -133,23 +133,27 @@ def test_whatever_comes_has_a_text(sent: list[tuple[int, int, bytes]]) -> None:
 
 
 WRITE_COUNT, READ_COUNT = (0x603, "2F001A0001000000"), (0x583, "4F001A0001000000")
+WRITE_ENTRY, READ_ENTRY = (0x603, "23001A0110004160"), (0x583, "43001A0110004160")
 STATUS = (0x183, "3707")
 BOOT_UP = (0x703, "00")
 
 
-@pytest.mark.parametrize("known_by", [WRITE_COUNT, READ_COUNT])
+@pytest.mark.parametrize(
+    "known_by", [(WRITE_ENTRY, WRITE_COUNT), (READ_COUNT, READ_ENTRY), (WRITE_COUNT, READ_ENTRY)]
+)
 def test_a_default_mapping_is_marked_until_it_is_written_or_read_and_again_after_a_boot_up(
-    known_by: tuple[int, str],
+    known_by: tuple[tuple[int, str], ...],
 ) -> None:
     reader = Canopen()
     assert read(reader, STATUS).startswith("TPDO 1, node 3 (default mapping): ")
-    assert read(reader, known_by, STATUS).startswith("TPDO 1, node 3: ")
+    assert read(reader, known_by[0], STATUS).startswith("TPDO 1, node 3 (default mapping): ")
+    assert read(reader, known_by[1], STATUS).startswith("TPDO 1, node 3: ")
     assert read(reader, BOOT_UP, STATUS).startswith("TPDO 1, node 3 (default mapping): ")
 
 
 def test_a_mapping_that_was_saved_is_no_default_after_a_boot_up() -> None:
     saved = (0x603, "2310100173617665")
-    assert read(Canopen(), WRITE_COUNT, saved, BOOT_UP, STATUS).startswith("TPDO 1, node 3: ")
+    assert read(Canopen(), WRITE_ENTRY, WRITE_COUNT, saved, BOOT_UP, STATUS).startswith("TPDO 1, node 3: ")
 
 
 def test_a_mapping_of_a_data_sheet_is_no_default() -> None:

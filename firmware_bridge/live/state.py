@@ -1,0 +1,75 @@
+"""State of a bridge as the live page shows it: JSON values, made of its newest snapshot."""
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any, Final, TypeAlias
+
+from firmware_bridge.drivers.driver import Feedback, Position, SetPoint, Speed
+from firmware_bridge.intent import NEVER_RECEIVED
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_type import AnyRobotType
+from firmware_bridge.safety.snapshot import ActiveInterlock, AnySnapshot, Tracking
+from firmware_bridge.units import to_seconds
+
+Json: TypeAlias = dict[str, Any]
+DIGITS: Final = 6
+"""Significant digits of a number on the page."""
+
+
+def number(value: float | None) -> float | None:
+    """Return a number for the page; None where it is none, as JSON has no NaN."""
+    return float(f"{value:.{DIGITS}g}") if value is not None and math.isfinite(value) else None
+
+
+def axes_of(robot: AnyRobot) -> list[Json]:
+    """Return the axes as the page introduces them."""
+    return [
+        {"name": it.name, "title": it.title, "unit": it.unit.value, "number": it.settings.number}
+        for it in robot.axes
+    ]
+
+
+def bridge_state(robot_type: AnyRobotType, seen: AnySnapshot, events: Iterable[ActiveInterlock]) -> Json:
+    """Return what a bridge knows: axes, pose, command, interlocks, its operator's age."""
+    facts, pose = seen.facts, seen.pose
+    age = facts.now - facts.received_at
+    command = {title: number(read(seen.command)) for title, read in robot_type.numbers.items()}
+    return {
+        "armed": facts.armed,
+        "stopped": facts.emergency_stopped,
+        "mode": facts.mode,
+        "pose": [number(pose.x_m), number(pose.y_m), number(pose.heading_rad)],
+        "command": command,
+        "axes": [_axis(one, facts.following) for one in facts.axes.values()],
+        "interlocks": [
+            {"name": it.name, "reason": it.reason, "remedy": it.remedy, "since_s": to_seconds(it.since)}
+            for it in events
+        ],
+        "operator": {
+            "age_s": None if facts.received_at == NEVER_RECEIVED else number(to_seconds(age)),
+        },
+    }
+
+
+def _axis(feedback: Feedback, following: Mapping[str, Tracking]) -> Json:
+    sampled = feedback.sampled_at != NEVER_RECEIVED
+    tracking = following.get(feedback.axis)
+    return {
+        "name": feedback.axis,
+        "power": feedback.power.value,
+        "state": feedback.text,
+        "position": number(feedback.position) if sampled else None,
+        "velocity": number(feedback.velocity) if sampled else None,
+        "target": None if tracking is None else _target(tracking.set_point),
+        "current_a": number(feedback.current_a),
+        "temperature_c": None,
+        "fault": feedback.fault,
+    }
+
+
+def _target(set_point: SetPoint) -> float | None:
+    """Return a set-point's number: a speed, or a position; None for a stop."""
+    match set_point:
+        case Speed(value) | Position(value):
+            return number(value)
+    return None

@@ -1,0 +1,48 @@
+"""`bench --realtime --live` as a program: its page, a fault and a step back from there, and its end."""
+
+import json
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from websockets.sync.client import ClientConnection, connect
+
+from emulators.testing.plugin import PROGRAM
+from emulators.testing.process import Process
+from hil_tests.lanes import HUNG_S
+
+pytest_plugins = ["emulators.testing.plugin"]
+
+
+def answer(page: ClientConnection, do: str, **keys: Any) -> dict[str, Any]:
+    """Send a request; return its answer, whatever else comes meanwhile."""
+    page.send(json.dumps({"id": 1, "do": do, **keys}))
+    while True:
+        message: dict[str, Any] = json.loads(page.recv(timeout=HUNG_S))
+        if message.get("id") == 1:
+            return message
+
+
+def test_a_page_shows_the_bench_breaks_it_goes_back_and_ends_it(
+    under_test: Callable[[Sequence[str]], Process], tmp_path: Path
+) -> None:
+    words = ("bench", "rome", "--mission", "line", "--realtime", "--live", "--out", str(tmp_path))
+    program = under_test((*PROGRAM, *words))
+    program.prints("Ctrl-C ends it", HUNG_S)
+    address = re.search(r"live page: http://(\S+)", program.printed)
+    assert address is not None
+    with connect(f"ws://{address[1]}ws", open_timeout=HUNG_S) as page:
+        assert json.loads(page.recv(timeout=HUNG_S))["title"] == "rome, line"
+        assert answer(page, "step", seconds=2.0)["at_s"] >= 2.0
+        assert answer(page, "inject", fault="shaft_blocked", keys={"node": "one"})["ok"]
+        assert answer(page, "rewind", to_s=1.0)["at_s"] == 1.0
+        assert answer(page, "shutdown")["ok"]
+    program.prints("results:", HUNG_S)
+    summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
+    assert (summary["simulated_s"], summary["faults"]) == (1.0, [])
+    # A recording in which time steps back would mislead.
+    lines = (tmp_path / "serial.log").read_text(encoding="ascii").splitlines()
+    instants = [float(line[1 : line.index(")")]) for line in lines]
+    assert instants == sorted(instants)
+    assert len(instants) > 10
