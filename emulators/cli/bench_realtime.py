@@ -72,6 +72,7 @@ def in_real_time(given: RealTimeOptions, order: "RunOrder", title: str) -> "Carr
         from emulators.control.desk import CONTROL, Desk
         from emulators.control.live import Live
         from emulators.paced import OutsideOperator, PacedRig
+        from firmware_bridge.cli.live_page import page_port
         from firmware_bridge.cli.real_time import carry
         from firmware_bridge.node import OPERATOR, Node
         from firmware_bridge.runtime.clock import LivedClock
@@ -95,24 +96,13 @@ def in_real_time(given: RealTimeOptions, order: "RunOrder", title: str) -> "Carr
         if place != NONE:
             openers[CONTROL] = lambda: control_port(place, order.robot.name)
         if given.live:
-            from emulators.live.bench import LIVE, LiveBench
+            from emulators.live.bench import LiveBench
+            from firmware_bridge.live.messages import LIVE
 
             node = page = LiveBench(rig, paced, desk, title)
             reports.append(page.report)
-            openers[LIVE] = _page_port
+            openers[LIVE] = page_port
         stations = "" if link is None else f", operator on {link}"
         carry(node, openers, NEVER, f"{title} in real time{stations}", clock=clock)
 
     return carry_rig
-
-
-def _page_port() -> "Port":
-    """Open the live page's port, and print its address. PortError; ExtraMissingError."""
-    from firmware_bridge.extras import from_extras
-
-    with from_extras():
-        from firmware_bridge.live.socket import LiveSocket
-
-    port = LiveSocket()
-    say(f"live page: {port.name}")
-    return port

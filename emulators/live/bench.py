@@ -1,6 +1,5 @@
 """A bench at the clock's pace on the live page: what it shows, and what a page may request."""
 
-import json
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
 
@@ -13,30 +12,31 @@ from emulators.live.page_station import NEUTRAL, ORDERS, PageStation, Stick
 from emulators.live.trace import TracedFrames
 from emulators.paced import PacedRig
 from emulators.rig import Rig
+from firmware_bridge.live.messages import (
+    ALL_PAGES,
+    CLOSED,
+    LEVELS,
+    LIVE,
+    MOST_EVENTS,
+    OPENED,
+    SHOWN_EVERY,
+    encoded,
+)
 from firmware_bridge.live.state import Json, bridge_state, number
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot_types import robot_type_of
-from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds, to_seconds
+from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
     from emulators.wires.ends import Observed
 
-LIVE: Final = "live"
-"""The link of the page's port; an address is a page."""
-ALL_PAGES: Final = 0
-OPENED, CLOSED = b"", b"\0"
-"""As `firmware_bridge.live.socket` reports pages."""
-SHOWN_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
 STATION: Final = "live page"
-MOST_EVENTS: Final = 500
 SLOWEST, FASTEST = 0.1, 10.0
 LONGEST_STEP_S: Final = 10.0
 OF_DESK: Final = ("inject", "clear", "set", "restart", "shutdown")
-LEVELS: Final = ("error", "error", "error", "error", "warning", "info", "info", "info")
-"""The page's levels by MAV_SEVERITY."""
 
 
 class PageError(Exception):
@@ -93,7 +93,7 @@ class LiveBench:
             reaction = self._desk.wake(now)
             first = hello(self._title, self._rig.robot, (*OF_DESK, *self._does))
             messages = (first, {"kind": "events", "events": self._events}, self._state())
-            sent = tuple(Packet(LIVE, packet.address, _encoded(one)) for one in messages)
+            sent = tuple(Packet(LIVE, packet.address, encoded(one)) for one in messages)
             return Reaction((*reaction.sent, *sent), reaction.wake_at)
         if packet.payload == CLOSED:
             self._pages.discard(packet.address)
@@ -127,7 +127,7 @@ class LiveBench:
         after = self._desk.wake(self._now)
         sent = (*before.sent, *after.sent)
         if request.get("do") != "drive":
-            sent = (*sent, Packet(LIVE, packet.address, _encoded(answer)))
+            sent = (*sent, Packet(LIVE, packet.address, encoded(answer)))
         return Reaction(sent, after.wake_at)
 
     # Requests
@@ -183,6 +183,9 @@ class LiveBench:
         if name.endswith("stop"):
             # A bench that stands still would not carry it out.
             self._paced.paces(self._now, paused=False)
+        if name == "stop":
+            # Only a station in control may pause the robot, and who looks at it must be able to.
+            self._station.orders("take_control")
         self._station.orders(name, on=on)
         self._rig.world.rouse(STATION)
         return {}
@@ -208,7 +211,7 @@ class LiveBench:
             messages.append({"kind": "events", "events": new})
         if frames := self._frames.take():
             messages.append({"kind": "frames", "frames": frames})
-        sent = tuple(Packet(LIVE, ALL_PAGES, _encoded(one)) for one in messages)
+        sent = tuple(Packet(LIVE, ALL_PAGES, encoded(one)) for one in messages)
         return Reaction((*reaction.sent, *sent), reaction.wake_at)
 
     def _state(self) -> Json:
@@ -267,7 +270,3 @@ def _number(request: Json, name: str, least: float, most: float) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not least <= value <= most:
         raise PageError(f"{request['do']}: {name} is a number from {least:g} to {most:g}, not {value!r:.40}")
     return float(value)
-
-
-def _encoded(message: Json) -> bytes:
-    return json.dumps(message, separators=(",", ":"), allow_nan=False).encode()

@@ -11,10 +11,10 @@ from pydantic.fields import FieldInfo
 from emulators.bench.faults import kinds
 from emulators.bench.faults.failures import failures_of
 from emulators.bench.faults.kind import FaultKind
+from firmware_bridge.live.messages import VERSION
 from firmware_bridge.live.state import Json, axes_of
 from firmware_bridge.robot import AnyRobot
 
-VERSION: Final = 1
 LEFT_OUT: Final = frozenset({"at_s", "title", "until_s"})
 """Keys of a fault that the page has no use for: it begins now, and has a duration."""
 _NUMBERS: Final = frozenset({int, float})

@@ -1,5 +1,6 @@
 """`drive`: the bridge on a real bus."""
 
+import signal
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -10,6 +11,7 @@ import typer
 
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import one_message, refusal, say
+from firmware_bridge.cli.live_page import LiveOption, page_port
 from firmware_bridge.cli.options import (
     ChannelOption,
     DurationOption,
@@ -30,6 +32,7 @@ from firmware_bridge.node import OPERATOR, Node
 from firmware_bridge.runtime.black_box import CAN_LOG, CAPTURE_LOG, OPERATOR_LOG, SERIAL_LOG, Texts
 
 if TYPE_CHECKING:
+    from firmware_bridge.bridge import Bridge
     from firmware_bridge.cli.places import BusAddress
     from firmware_bridge.family import LinkOptions
     from firmware_bridge.robot import AnyRobot
@@ -181,6 +184,7 @@ class DriveOptions:
         ),
     ] = None
     record: RecordOption = None
+    live: LiveOption = False
     duration: DurationOption = None
 
 
@@ -247,7 +251,9 @@ def run(given: DriveOptions) -> None:
         known = known_places(places_before) | run_file(AsRun(machine, confirmed, given.mode or ""))
         watch = BridgeWatch(machine, lambda: bridge)
         with recording(given.record, files, texts_of(), known=known, watch=watch) as (around, show):
-            carried = _far(around(node), slow)
+            carried = _far(
+                _on_page(around(node), bridge, machine, openers) if given.live else around(node), slow
+            )
             carry(
                 Narrated(bridge, carried, machine, show, kept=kept, stamps=stamps, hints=hints),
                 {**openers, OPERATOR: lambda: UdpPort(given.mavlink)},
@@ -294,6 +300,21 @@ def _links(
                     f"nothing was received on {place.title}: are the drives on, at {rate} bit/s (--bitrate)?"
                 )
     return node, openers, hints
+
+
+def _on_page(
+    node: Node, bridge: "Bridge", machine: "AnyRobot", openers: "dict[str, Callable[[], Port]]"
+) -> Node:
+    """Return the bridge on the live page, whose port is put beside the others."""
+    from firmware_bridge.live.messages import LIVE
+    from firmware_bridge.live.robot import LiveRobot
+
+    def end() -> None:
+        # As Ctrl-C: the runner stops the robot first, then its drives' power.
+        signal.raise_signal(signal.SIGINT)
+
+    openers[LIVE] = page_port
+    return LiveRobot(node, bridge, machine, end)
 
 
 def _far(node: Node, slow: "Conditions | None") -> Node:

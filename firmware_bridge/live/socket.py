@@ -16,6 +16,7 @@ from websockets.http11 import Request, Response
 from websockets.protocol import State
 from websockets.server import ServerProtocol
 
+from firmware_bridge.live.messages import ALL_PAGES, CLOSED, OPENED
 from firmware_bridge.live.site import Answer, LiveSite, PageRequest
 from firmware_bridge.runtime.ports.port import PortError
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -28,11 +29,6 @@ LARGEST: Final = 65_536
 CHUNK: Final = 65_536
 MOST_UNSENT: Final = 1 << 20
 """Bytes that wait for a page; one that reads slower is dropped, so that memory stays as it is."""
-EVERYONE: Final = 0
-"""The address of all pages."""
-OPENED: Final = b""
-CLOSED: Final = b"\0"
-"""What comes of a page that has opened its WebSocket, and of one that has left."""
 
 
 class _Client:
@@ -73,7 +69,7 @@ class LiveSocket:
         self._listener.settimeout(0)
         self._ready.register(self._listener, selectors.EVENT_READ)
         self._clients: dict[int, _Client] = {}
-        self._count = EVERYONE
+        self._count = ALL_PAGES
 
     def fileno(self) -> int:
         """Return the file of all its sockets."""
@@ -94,9 +90,9 @@ class LiveSocket:
         return found
 
     def write(self, address: int, payload: bytes, now: Nanoseconds) -> None:
-        """Send a message to a page, or to `EVERYONE`; a page that does not read is dropped."""
+        """Send a message to a page, or to `ALL_PAGES`; a page that does not read is dropped."""
         del now
-        for number in tuple(self._clients) if address == EVERYONE else (address,):
+        for number in tuple(self._clients) if address == ALL_PAGES else (address,):
             client = self._clients.get(number)
             if client is not None and client.opened:
                 client.protocol.send_text(payload)

@@ -10,10 +10,11 @@ from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.mission import find as mission_of
 from emulators.control.desk import Desk
 from emulators.control.live import Live
-from emulators.live.bench import LIVE, OPENED, LiveBench
+from emulators.live.bench import LiveBench
 from emulators.paced import PacedRig
 from emulators.rig import Rig
 from emulators.run import RunOrder, operator_of
+from firmware_bridge.live.messages import LIVE, OPENED
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds, from_seconds

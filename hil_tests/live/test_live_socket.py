@@ -12,7 +12,8 @@ from websockets.exceptions import ConnectionClosedError, InvalidStatus, WebSocke
 from websockets.sync.client import connect
 from websockets.typing import Origin
 
-from firmware_bridge.live.socket import CLOSED, LARGEST, LOOPBACK, MOST_CLIENTS, OPENED, LiveSocket
+from firmware_bridge.live.messages import CLOSED, OPENED
+from firmware_bridge.live.socket import LARGEST, LOOPBACK, MOST_CLIENTS, LiveSocket
 from firmware_bridge.runtime.ports import PortError
 from hil_tests.live.served import HUNG_S, Served, served
 

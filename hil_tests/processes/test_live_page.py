@@ -1,4 +1,4 @@
-"""`bench --realtime --live` as a program: its page, a fault and a step back from there, and its end."""
+"""The live page of programs: a bench is broken, put back and ended; a robot is shown and stopped."""
 
 import json
 import re
@@ -46,3 +46,25 @@ def test_a_page_shows_the_bench_breaks_it_goes_back_and_ends_it(
     instants = [float(line[1 : line.index(")")]) for line in lines]
     assert instants == sorted(instants)
     assert len(instants) > 10
+
+
+def test_a_robot_is_shown_and_its_page_ends_the_bridge_in_good_order(
+    under_test: Callable[[Sequence[str]], Process], tmp_path: Path
+) -> None:
+    line = str(tmp_path / "line")
+    board = under_test((*PROGRAM, "emulate", "rome", "--serial", "pty", "--serial-link", line))
+    board.prints("Ctrl-C ends it", HUNG_S)
+    words = ("drive", "rome", "--serial", line, "--live", "--state", str(tmp_path / "state.json"))
+    bridge = under_test((*PROGRAM, *words, "--mavlink", "udpin:127.0.0.1:0"))
+    bridge.prints("Ctrl-C ends it", HUNG_S)
+    address = re.search(r"live page: http://(\S+)", bridge.printed)
+    assert address is not None
+    with connect(f"ws://{address[1]}ws", open_timeout=HUNG_S) as page:
+        first = json.loads(page.recv(timeout=HUNG_S))
+        assert (first["mode"], first["can"]) == ("robot", ["stop", "emergency_stop"])
+        assert not answer(page, "arm", on=True)["ok"]
+        assert answer(page, "emergency_stop")["ok"]
+        bridge.prints("emergency stop", HUNG_S)
+        assert answer(page, "stop")["ok"]
+    bridge.prints("ended: SIGINT", HUNG_S)
+    assert bridge.ends(HUNG_S) == 0
