@@ -26,6 +26,15 @@ FETCHED := awk '/^Collecting /{ sub(/[^[:alnum:]_.-].*/, "", $$2); at += length(
 	/^Building wheels? for/{ if (!built++) { printf "\nsetup: compiling what has to be compiled\n"; at = 0; fflush() } } \
 	/^Installing collected/{ printf "\nsetup: installing all of it\n"; at = 0; fflush() }'
 
+# The live page's plots: npm's package, by its lock file, beside the page; without npm the page shows values alone.
+define UPLOT
+if command -v npm >/dev/null && npm ci --prefix tools/uplot --silent --no-audit --no-fund >/dev/null 2>&1; then \
+	cp tools/uplot/node_modules/uplot/dist/uPlot.iife.min.js firmware_bridge/live/uplot.js && \
+	cp tools/uplot/node_modules/uplot/dist/uPlot.min.css firmware_bridge/live/uplot.css && \
+	cp tools/uplot/node_modules/uplot/LICENSE firmware_bridge/live/uplot.LICENSE; \
+else echo "setup: without npm, or its registry, the live page has no plots"; fi
+endef
+
 # Each plant that is installed, and the name of each when it is there; who drives would wait for them else.
 define PLANTS
 import sys
@@ -75,6 +84,7 @@ $(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch] $(BES
 		{ echo "setup: pip failed; its output:" >&2; cat .venv/pip.log >&2; exit 1; }
 	@echo "setup: 4 of 4, the plants: from their equations to C, and compiled, for FMI 2.0 and 3.0"
 	@printf '%s\n' 2 3 | xargs -n 1 -P 2 $(BIN)/python -c "$$PLANTS" && echo
+	@$(UPLOT)
 	@echo "setup: done"
 	@touch $@
 

@@ -202,8 +202,10 @@ class LiveBench:
         if now - self._shown_at < SHOWN_EVERY:
             return reaction
         self._shown_at = now
-        new = [self._event(text, LEVELS[severity & 7]) for severity, text in self._station.texts]
-        self._station.texts = []
+        texts = self._station.texts.take(self._rig.world.now)
+        refusals, self._station.refusals = self._station.refusals, []
+        new = [self._event(text, LEVELS[severity & 7]) for severity, text in texts]
+        new += [self._event(text, "warning") for text in refusals]
         if not self._pages:
             return reaction
         messages = [self._state()]
@@ -233,7 +235,7 @@ class LiveBench:
                 for it in (faults.record_of(one),)
             ],
             "kept_s": None if first is None else [to_seconds(first), to_seconds(now)],
-            **bridge_state(self._type, rig.bridge.seen, rig.bridge.interlock_events),
+            **bridge_state(self._type, rig.bridge),
             **self._true_pose(),
         }
 

@@ -43,7 +43,7 @@ def faults(robot: AnyRobot) -> Iterator[Json]:
         if kind.name in tried:
             yield {
                 "kind": kind.name,
-                "title": kind.happens,
+                "title": kind.happens.partition(". ")[0].rstrip("."),
                 "keys": list(_keys(kind, robot, tried[kind.name])),
             }
 

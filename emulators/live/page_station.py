@@ -6,8 +6,8 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from emulators.bench.foreign_datagrams import command
+from emulators.live.texts import OrderedTexts
 from firmware_bridge.mavlink.frames import Codec, dialect
-from firmware_bridge.mavlink.operator_texts import OperatorTexts
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.teleop.commands import MAV_CMD_REQUEST_OPERATOR_CONTROL
@@ -49,7 +49,7 @@ class Stick:
 
 
 NEUTRAL: Final = Stick()
-_ANSWERS: Final = frozenset({dialect.MAVLINK_MSG_ID_COMMAND_ACK})
+_READ: Final = frozenset({dialect.MAVLINK_MSG_ID_COMMAND_ACK, dialect.MAVLINK_MSG_ID_STATUSTEXT})
 
 
 class PageStation:
@@ -63,9 +63,10 @@ class PageStation:
         self._stick_at: Nanoseconds = -NEVER
         self._due: Nanoseconds = NEVER
         self._unsent: list[bytes] = []
-        self._reader: Final = OperatorTexts()
-        self.texts: list[tuple[int, str]] = []
-        """Severity and text of what the robot has sent to it, until it is taken."""
+        self.texts: Final = OrderedTexts()
+        """What the robot has sent to it, or to another station."""
+        self.refusals: list[str] = []
+        """Commands of the page that were refused, until they are taken."""
 
     def moves(self, stick: Stick, now: Nanoseconds) -> None:
         """Hold the stick there from now on."""
@@ -78,10 +79,8 @@ class PageStation:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Keep the robot's texts, and refusals."""
-        del now
-        self.texts += [(one.severity, one.text) for one in self._reader.read(packet.payload)]
-        for message in self._codec.decode(packet.payload, _ANSWERS):
-            self._note(message)
+        for message in self._codec.decode(packet.payload, _READ):
+            self._note(message, now)
         return Reaction((), self._due)
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -110,7 +109,9 @@ class PageStation:
         buttons = stick.buttons & 0xFFFF
         return self._codec.encode(dialect.MAVLink_manual_control_message(self._robot[0], x, y, z, r, buttons))
 
-    def _note(self, message: Any) -> None:
-        if message.target_system == SYSTEM and message.result:
+    def _note(self, message: Any, now: Nanoseconds) -> None:
+        if message.get_type() == "STATUSTEXT":
+            self.texts.receive(message, now)
+        elif message.target_system == SYSTEM and message.result:
             refusal = dialect.enums["MAV_RESULT"][message.result].name.removeprefix("MAV_RESULT_").lower()
-            self.texts.append((4, f"command {message.command}: {refusal.replace('_', ' ')}"))
+            self.refusals.append(f"command {message.command}: {refusal.replace('_', ' ')}")

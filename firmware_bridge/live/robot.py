@@ -138,7 +138,6 @@ class LiveRobot:
         }
 
     def _state(self, now: Nanoseconds) -> Json:
-        bridge = self._bridge
         return {
             "kind": "state",
             "at_s": to_seconds(now),
@@ -149,7 +148,7 @@ class LiveRobot:
             "faults": [],
             "kept_s": None,
             "true_pose": None,
-            **bridge_state(self._type, bridge.seen, bridge.interlock_events),
+            **bridge_state(self._type, self._bridge),
         }
 
     def _event(self, text: str, level: str, now: Nanoseconds) -> None:

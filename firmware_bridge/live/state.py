@@ -1,14 +1,15 @@
 """State of a bridge as the live page shows it: JSON values, made of its newest snapshot."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any, Final, TypeAlias
 
+from firmware_bridge.bridge import Bridge
 from firmware_bridge.drivers.driver import Feedback, Position, SetPoint, Speed
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_type import AnyRobotType
-from firmware_bridge.safety.snapshot import ActiveInterlock, AnySnapshot, Tracking
+from firmware_bridge.safety.snapshot import Tracking
 from firmware_bridge.units import to_seconds
 
 Json: TypeAlias = dict[str, Any]
@@ -29,9 +30,11 @@ def axes_of(robot: AnyRobot) -> list[Json]:
     ]
 
 
-def bridge_state(robot_type: AnyRobotType, seen: AnySnapshot, events: Iterable[ActiveInterlock]) -> Json:
-    """Return what a bridge knows: axes, pose, command, interlocks, its operator's age."""
+def bridge_state(robot_type: AnyRobotType, bridge: Bridge) -> Json:
+    """Return what a bridge knows: axes, pose, command, interlocks, its operator's link."""
+    seen, station = bridge.seen, bridge.operator.stations.in_control
     facts, pose = seen.facts, seen.pose
+    lost = None if station is None else station.clocks.losses.share
     age = facts.now - facts.received_at
     command = {title: number(read(seen.command)) for title, read in robot_type.numbers.items()}
     return {
@@ -43,9 +46,11 @@ def bridge_state(robot_type: AnyRobotType, seen: AnySnapshot, events: Iterable[A
         "axes": [_axis(one, facts.following) for one in facts.axes.values()],
         "interlocks": [
             {"name": it.name, "reason": it.reason, "remedy": it.remedy, "since_s": to_seconds(it.since)}
-            for it in events
+            for it in bridge.interlock_events
         ],
         "operator": {
+            "station": "" if station is None else str(station.sender),
+            "loss_percent": None if lost is None else number(100.0 * lost),
             "age_s": None if facts.received_at == NEVER_RECEIVED else number(to_seconds(age)),
         },
     }

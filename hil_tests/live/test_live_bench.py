@@ -94,6 +94,17 @@ def test_what_a_fault_does_is_among_the_events_and_on_the_list(rome: ShownBench)
     assert rome.state()["faults"] == []
 
 
+def test_long_texts_are_whole_on_a_link_that_changes_their_order() -> None:
+    with shown("rars", "circles") as bench:
+        bench.opens()
+        messages = bench.runs(1500)
+        texts = [one["text"] for message in messages for one in message.get("events", ())]
+        for axis in ("node 3 (steering)", "node 4 (scissor lift)"):
+            text = f"{axis}: its reference is lost, position unknown; look where it stands, and confirm it"
+            assert sum(one.startswith(text) and one.endswith("MAV_CMD_USER_1)") for one in texts) == 1, texts
+        assert not [text for text in texts if "..." in text]
+
+
 def test_an_answer_goes_to_its_page_alone_and_without_pages_nothing_is_sent(rome: ShownBench) -> None:
     rome.runs(500)
     assert rome.sent == []
@@ -158,6 +169,7 @@ def test_moments_are_kept_of_the_newest_two_minutes_alone(rome: ShownBench) -> N
 def test_the_page_drives_and_a_page_that_is_silent_lets_go(rome: ShownBench) -> None:
     taken(rome)
     assert rome.state()["armed"]
+    assert rome.state()["operator"]["station"] == "254/190 at 127.0.0.1:14551"
     stick(rome, 1500, x=1.0)
     assert fastest(rome) > 0.05
     rome.runs(to_seconds(SILENT_AFTER) * 1000 + 100)

@@ -6,6 +6,7 @@ import re
 import socket
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
+from importlib.resources import files
 
 import pytest
 from websockets.exceptions import ConnectionClosedError, InvalidStatus, WebSocketException
@@ -56,6 +57,14 @@ def test_the_page_has_no_outside_address_and_nothing_inline_that_its_policy_forb
     markup = re.sub(r"<(script|style)>.*?</\1>", "", text, flags=re.DOTALL)
     assert re.findall(r"\s(?:style|on\w+)\s*=", markup) == []
     assert ".innerHTML" not in text
+
+
+def test_what_draws_the_plots_is_served_beside_the_page_where_it_was_taken(port: Served) -> None:
+    there = (files("firmware_bridge.live") / "uplot.js").is_file()
+    status, headers, body = port.get(f"{port.page}uplot.js")
+    assert status == (200 if there else 404)
+    assert headers["content-type"].startswith("text/javascript" if there else "text/plain")
+    assert (b"uPlot" in body) is there
 
 
 def test_messages_go_both_ways(port: Served) -> None:
