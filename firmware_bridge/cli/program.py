@@ -36,6 +36,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "Show a CAN bus decoded: nodes, PDOs, statuswords, emergencies, rates, load, the last error.",
     ),
     CliCommand(
+        "live",
+        "firmware_bridge.cli.live:live",
+        "Play a recording on a page for a browser: drives, path, interlocks, events, frames, at any pace.",
+    ),
+    CliCommand(
         "explain",
         "firmware_bridge.cli.explain:explain",
         "Explain a recording of a bus or a line, or a code: incidents, causes, why a drive does not move.",

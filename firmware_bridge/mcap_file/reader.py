@@ -12,10 +12,11 @@ from zlib import error as ZlibError  # noqa: N812 - a class with a lower-case na
 
 from google.protobuf.message import DecodeError
 from mcap.exceptions import McapError
-from mcap.records import Attachment, Channel, McapRecord, Message, Schema
+from mcap.records import Attachment, Channel, McapRecord, Message, Metadata, Schema
 from mcap.stream_reader import CRCValidationError, StreamReader
 
-from firmware_bridge.mcap_file.schemas import own
+from firmware_bridge.mcap_file.channels import DRIVE_STATE, FOXGLOVE, OWN
+from firmware_bridge.mcap_file.schemas import foxglove, own
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import Direction, RecordingError
@@ -57,6 +58,42 @@ def chunks(path: Path, note: Note) -> Iterator[Chunk]:
     for at, message in _messages(path, "SerialChunk", note):
         direction = Direction.SENT if message.sent else Direction.RECEIVED
         yield at, direction, Packet(message.link, 0, message.data)
+
+
+def messages(path: Path, note: Note) -> Iterator[tuple[Nanoseconds, str, Any]]:
+    """Yield instant, topic and decoded message of every channel with a schema of a recording's, in order.
+
+    RecordingError as `frames`, OSError.
+    """
+    schemas = {
+        one.name: one
+        for one in (*map(own, (*OWN.values(), DRIVE_STATE)), *map(foxglove, set(FOXGLOVE.values())))
+    }
+    named: dict[int, str] = {}
+    topics: dict[int, tuple[str, Any]] = {}
+    for record in _records(path, note):
+        match record:
+            case Schema(id=number, name=name):
+                named[number] = name
+            case Channel(id=number, schema_id=schema_id, topic=topic) if named.get(schema_id) in schemas:
+                topics[number] = topic, schemas[named[schema_id]].message
+            case Message(channel_id=channel, log_time=at, data=data) if channel in topics:
+                topic, message = topics[channel]
+                try:
+                    yield at, topic, message.FromString(data)
+                except DecodeError as error:
+                    raise RecordingError(f"a message of {topic} is damaged: {error}") from None
+
+
+def metadata(path: Path) -> dict[str, str]:
+    """Return what a recording states of itself: robot, mission, seed; RecordingError, OSError."""
+    found: dict[str, str] = {}
+    for record in _records(path, lambda _note: None):
+        if isinstance(record, Metadata):
+            found |= record.metadata
+        elif isinstance(record, Message):
+            break
+    return found
 
 
 def attachments(path: Path) -> dict[str, bytes]:
