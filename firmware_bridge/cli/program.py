@@ -38,7 +38,7 @@ COMMANDS: Final[tuple[Row, ...]] = (
     CliCommand(
         "live",
         "firmware_bridge.cli.live:live",
-        "Play a recording on a page for a browser: drives, path, interlocks, events, frames, at any pace.",
+        "Play a recording in MCAP on a page for a browser of this machine, whose address is printed.",
     ),
     CliCommand(
         "explain",
