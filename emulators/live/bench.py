@@ -7,6 +7,7 @@ from emulators.bench.columns import POSE
 from emulators.control.desk import CONTROL, Desk
 from emulators.control.lines import LineError, request_of
 from emulators.live.hello import hello
+from emulators.live.incidents import LiveIncidents
 from emulators.live.moments import Moments
 from emulators.live.page_station import NEUTRAL, ORDERS, PageStation, Stick
 from emulators.live.trace import TracedFrames
@@ -55,6 +56,7 @@ class LiveBench:
         self._type: Final = robot_type_of(rig.robot)
         self._moments: Final = Moments(rig)
         self._frames: Final = TracedFrames(rig)
+        self._incidents: Final = LiveIncidents(rig)
         self._pages: Final[set[int]] = set()
         self._events: Final[list[Json]] = []
         self._shown_at: Nanoseconds = -SHOWN_EVERY
@@ -92,11 +94,14 @@ class LiveBench:
             self._pages.add(packet.address)
             reaction = self._desk.wake(now)
             first = hello(self._title, self._rig.robot, (*OF_DESK, *self._does))
-            messages = (first, {"kind": "events", "events": self._events}, self._state())
+            known = {"kind": "incidents", "incidents": self._incidents.found}
+            messages = (first, {"kind": "events", "events": self._events}, known, self._state())
             sent = tuple(Packet(LIVE, packet.address, encoded(one)) for one in messages)
             return Reaction((*reaction.sent, *sent), reaction.wake_at)
         if packet.payload == CLOSED:
             self._pages.discard(packet.address)
+            if not self._pages:
+                self._station.leaves(self._rig.world.now)
             return self._desk.wake(now)
         return self._shown(self._requested(packet), now)
 
@@ -162,6 +167,7 @@ class LiveBench:
         with suppress(ValueError):
             self._moments.go_back(to)
         self._frames.forget()
+        self._incidents.follow()
         self._paced.paces(self._now, paused=True)
         self._event(f"time is put back from {to_seconds(last):.2f} s to {to_seconds(to):.2f} s", "info")
         return {"at_s": to_seconds(self._rig.world.now)}
@@ -211,6 +217,9 @@ class LiveBench:
         messages = [self._state()]
         if new:
             messages.append({"kind": "events", "events": new})
+        incidents = self._incidents.news()
+        if incidents is not None:
+            messages.append({"kind": "incidents", "incidents": incidents})
         if frames := self._frames.take():
             messages.append({"kind": "frames", "frames": frames})
         sent = tuple(Packet(LIVE, ALL_PAGES, encoded(one)) for one in messages)

@@ -1,4 +1,7 @@
-"""The live page as a ground station in the world: stick, commands, and neutral when the page is silent."""
+"""The live page as a ground station in the world: stick, commands, and neutral when the page is silent.
+
+A station in control that is there, with its stick let go, sends neutral; one that has left sends nothing.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,7 +24,7 @@ SENDS_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
 SILENT_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
 """A page that has sent no stick for so long has lost its focus: the stick is neutral."""
 ENDS_AFTER: Final[Nanoseconds] = SECOND
-"""Then it sends no stick any more: who is not there drives nothing, and the link's time-out holds."""
+"""Then a page without control sends no stick any more."""
 FULL: Final = 1000
 ORDERS: Final[Mapping[tuple[str, bool], tuple[int, tuple[float, ...]]]] = MappingProxyType(
     {
@@ -62,6 +65,8 @@ class PageStation:
         self._stick = NEUTRAL
         self._stick_at: Nanoseconds = -NEVER
         self._due: Nanoseconds = NEVER
+        self._holds = False
+        """True from taking control until it is released, or the last page is closed."""
         self._unsent: list[bytes] = []
         self.texts: Final = OrderedTexts()
         """What the robot has sent to it, or to another station."""
@@ -75,7 +80,14 @@ class PageStation:
     def orders(self, name: str, *, on: bool = True) -> None:
         """Send a command of the page with the next wake; KeyError for one that is none."""
         number, params = ORDERS[name, on]
+        if name == "take_control":
+            self._holds = on
         self._unsent.append(self._codec.encode(command(*self._robot, number, *params)))
+
+    def leaves(self, now: Nanoseconds) -> None:
+        """Let the stick go and fall silent, as the last page is closed: the link's time-out holds then."""
+        self._holds = False
+        self._stick_at = min(self._stick_at, now - SILENT_AFTER)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Keep the robot's texts, and refusals."""
@@ -87,7 +99,7 @@ class PageStation:
         """Send what is due: commands at once, the stick 20 times a second while the page drives."""
         sent, self._unsent = self._unsent, []
         silent = now - self._stick_at
-        if silent >= ENDS_AFTER:
+        if silent >= ENDS_AFTER and not self._holds:
             self._due = NEVER
         elif self._due == NEVER or now >= self._due:
             stick = self._stick if silent < SILENT_AFTER else NEUTRAL

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
@@ -11,6 +11,9 @@ from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import WRONG_INPUT, refusal, say
 from firmware_bridge.cli.live_page import page_port
 from firmware_bridge.cli.options import DurationOption, until
+
+if TYPE_CHECKING:
+    from firmware_bridge.dissector.expected import Expected
 
 EXAMPLES: Final = """Examples:
 
@@ -55,8 +58,36 @@ def run(given: LiveOptions) -> None:
             reason = getattr(error, "strerror", None) or error
             raise refusal(f"{path}: cannot be read as a recording in MCAP: {reason}", WRONG_INPUT) from None
     title = ", ".join(filter(None, (about.get("robot", ""), about.get("mission", "")))) or path.name
-    player = Player(recording, title, given.device or "")
+    player = Player(recording, title, given.device or "", incidents(path, about.get("robot", "")))
     carry(player, {LIVE: page_port}, until(given.duration), f"playing {path}", clock=LivedClock())
+
+
+def incidents(path: Path, name: str) -> list[dict[str, Any]]:
+    """Return what `explain` finds in the frames of a recording, for the page; none of several buses."""
+    from firmware_bridge.dissector.expected import can_links, expected_on
+    from firmware_bridge.explain.explainer import Setup, explain
+    from firmware_bridge.explain.source import UnreadableError, frames
+    from firmware_bridge.robot_types import find, robots
+    from firmware_bridge.units import to_seconds
+
+    expected: list[Expected] = []
+    # A robot of the user's own may be known by its name only where it was driven.
+    if name in robots():
+        robot = find(name)
+        expected = [node for link in can_links(robot) for node in expected_on(robot, link)]
+    try:
+        explained = explain(frames(path, lambda _: None), Setup(expected=tuple(expected)), None)
+    except UnreadableError:
+        return []
+    return [
+        {
+            "at_s": to_seconds(one.at),
+            "title": f"{one.where}: {one.what}",
+            "causes": list(one.causes),
+            "check": one.check,
+        }
+        for one in explained.incidents
+    ]
 
 
 live: Final = command(EXAMPLES, work=run)(LiveOptions)

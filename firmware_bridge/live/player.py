@@ -22,7 +22,7 @@ from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 from firmware_bridge.wire.can import EXTENDED, REMOTE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
 SLOWEST, FASTEST = 0.1, 10.0
 BIT_RATE: Final = 1_000_000
@@ -36,8 +36,11 @@ class PlayerError(Exception):
 class Player:
     """A node that has only pages."""
 
-    def __init__(self, recording: Recording, title: str, device: str = "") -> None:
-        """Take the recording, its title, and the family of nodes whose mapping it does not show."""
+    def __init__(
+        self, recording: Recording, title: str, device: str = "", incidents: "Sequence[Json]" = ()
+    ) -> None:
+        """Take the recording, its title, the family of nodes whose mapping it lacks, and its incidents."""
+        self._incidents: Final = list(incidents)
         self._recording: Final = recording
         self._title: Final = title
         self._device: Final = device
@@ -67,7 +70,8 @@ class Player:
             self._pages.add(packet.address)
             at = self._at(now)
             events = {"kind": "events", "events": self._recording.events(-1, at)}
-            sent = [encoded(one) for one in (self._hello(), events, self._state(at))]
+            incidents = {"kind": "incidents", "incidents": self._incidents}
+            sent = [encoded(one) for one in (self._hello(), events, incidents, self._state(at))]
             return Reaction(tuple(Packet(LIVE, packet.address, one) for one in sent), now + SHOWN_EVERY)
         if packet.payload == CLOSED:
             self._pages.discard(packet.address)

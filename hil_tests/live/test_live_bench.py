@@ -49,7 +49,7 @@ def test_a_page_is_introduced_and_then_shown_the_bench_twenty_times_a_second(
     robot: str, mission: str
 ) -> None:
     with shown(robot, mission) as bench:
-        first, events, state = bench.opens()
+        first, events, _, state = bench.opens()
         assert (first["kind"], events["kind"], state["kind"]) == ("hello", "events", "state")
         assert [axis["name"] for axis in first["axes"]] == [axis.name for axis in find(robot).axes]
         assert {one["kind"] for one in first["faults"]} == {one.kind for one in failures_of(find(robot))}
@@ -87,11 +87,30 @@ def test_what_a_fault_does_is_among_the_events_and_on_the_list(rome: ShownBench)
     rome.runs(100)
     (fault,) = rome.state()["faults"]
     assert (fault["number"], fault["kind"], fault["nodes"]) == (number, "shaft_blocked", ["one"])
-    (_, events, _) = rome.opens(OTHER_PAGE)
+    (_, events, *_) = rome.opens(OTHER_PAGE)
     assert any("fault shaft_blocked begins" in one["text"] for one in events["events"])
     rome.does("clear", number=number)
     rome.runs(100)
     assert rome.state()["faults"] == []
+
+
+def test_what_explain_finds_on_the_bus_is_among_the_incidents_until_time_is_put_back() -> None:
+    with shown("rars", "line") as bench:
+        bench.opens()
+        bench.runs(5000)
+        assert [one for one in bench.messages(PAGE, 0) if one.get("incidents")] == []
+        bench.does("inject", fault="drive_restart", keys={"node": "left", "for_s": 0.5})
+        bench.runs(2000)
+        newest = [one["incidents"] for one in bench.messages(PAGE, 0) if one.get("kind") == "incidents"][-1]
+        assert any("node 1" in one["title"] and one["causes"] for one in newest), newest
+        bench.does("rewind", to_s=4.0)
+        bench.runs(100)
+        newest = [one["incidents"] for one in bench.messages(PAGE, 0) if one.get("kind") == "incidents"][-1]
+        assert newest == []
+        bench.does("pause", on=False)
+        bench.runs(3000)
+        newest = [one["incidents"] for one in bench.messages(PAGE, 0) if one.get("kind") == "incidents"][-1]
+        assert newest == []
 
 
 def test_long_texts_are_whole_on_a_link_that_changes_their_order() -> None:
@@ -174,6 +193,22 @@ def test_the_page_drives_and_a_page_that_is_silent_lets_go(rome: ShownBench) -> 
     assert fastest(rome) > 0.05
     rome.runs(to_seconds(SILENT_AFTER) * 1000 + 100)
     assert fastest(rome) == 0.0
+
+
+def test_a_page_in_control_whose_stick_is_let_go_stays_there_and_one_that_is_closed_is_missed(
+    rome: ShownBench,
+) -> None:
+    taken(rome)
+    rome.runs(3000)
+    assert "operator link timeout" not in [one["name"] for one in rome.state()["interlocks"]]
+    stick(rome, 500, x=1.0)
+    assert fastest(rome) > 0.05, "no neutral stick is needed first"
+    rome.receives(b"\0")
+    rome.runs(2500)
+    rome.opens(OTHER_PAGE)
+    (*_, state) = rome.messages(OTHER_PAGE, 0)
+    assert "operator link timeout" in [one["name"] for one in state["interlocks"]]
+    assert abs(max(state["command"].values())) == 0.0
 
 
 @pytest.mark.parametrize("paused", [False, True])

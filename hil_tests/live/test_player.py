@@ -11,6 +11,7 @@ from emulators.bench import mission
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.run import RunOrder, drive
 from firmware_bridge.cli import program
+from firmware_bridge.cli.live import incidents as found_in
 from firmware_bridge.live.messages import LIVE, OPENED
 from firmware_bridge.live.player import Player
 from firmware_bridge.live.recording import MOST_FRAMES, Recording
@@ -96,7 +97,7 @@ def names(state: dict[str, Any]) -> list[str]:
 
 
 def test_it_is_introduced_and_shows_each_instant_of_the_run(played: Played) -> None:
-    hello, _, _ = played.received
+    hello, _, _, _ = played.received
     assert (hello["mode"], hello["title"]) == ("recording", "rars, crawl")
     assert [axis["name"] for axis in hello["axes"]] == ["left", "right", "steer", "lift"]
     played.runs(1.0)
@@ -168,6 +169,15 @@ def test_a_request_that_is_none_is_refused_and_it_plays_on(played: Played, line:
     assert answer["error"]
     played.runs(0.5)
     assert played.state["at_s"] == 0.5
+
+
+def test_what_explain_finds_is_among_its_incidents(path: Path) -> None:
+    incidents = found_in(path, "rars")
+    assert any("node 4" in one["title"] and 3.9 < one["at_s"] < 4.5 for one in incidents), incidents
+    assert all(one["causes"] and one["check"] for one in incidents)
+    player = Player(Recording(path, pytest.fail), "rars", incidents=incidents)
+    sent = [json.loads(one.payload) for one in player.receive(Packet(LIVE, PAGE, OPENED), 0).sent]
+    assert [one["incidents"] for one in sent if one["kind"] == "incidents"] == [incidents]
 
 
 @pytest.mark.parametrize("content", [b"", b"nothing", b"\x89MCAP0\r\n"])
