@@ -27,7 +27,7 @@ AT_HAND: Final = {
 }
 """Markers, and whether this machine has what they stand for."""
 
-ON_DEMAND: Final = ("platforms", "avr", "installed", "released")
+ON_DEMAND: Final = ("platforms", "avr", "installed", "released", "browser")
 """Markers whose tests run where they are requested by name, `-m MARKER`."""
 
 

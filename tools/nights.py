@@ -47,6 +47,11 @@ STEPS: Final = (
         (f"{PYTEST} -n 2 -m avr hil_tests/interop/simavr",),
     ),
     Step(
+        "browser",
+        "a tour of the live page in headless Chromium",
+        (f"{PYTEST} -p no:xdist -m browser hil_tests/live/test_tour.py",),
+    ),
+    Step(
         "wheels",
         "what is published: both wheels, the sources, the list of what is installed",
         (f"make wheels && {PYTEST} -p no:xdist -m released hil_tests/installed",),

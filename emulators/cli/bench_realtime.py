@@ -78,6 +78,7 @@ def in_real_time(given: RealTimeOptions, order: "RunOrder", title: str) -> "Carr
         from firmware_bridge.runtime.clock import LivedClock
         from firmware_bridge.runtime.ports import UdpPort
 
+        driven_by = order.operator
         operator = order.operator if isinstance(order.operator, OutsideOperator) else None
         link, place, clock = given.mavlink, given.control or UNIX, LivedClock()
         reports: list[Callable[[str], None]] = [say]
@@ -99,7 +100,7 @@ def in_real_time(given: RealTimeOptions, order: "RunOrder", title: str) -> "Carr
             from emulators.live.bench import LiveBench
             from firmware_bridge.live.messages import LIVE
 
-            node = page = LiveBench(rig, paced, desk, title)
+            node = page = LiveBench(rig, paced, desk, title, driven_by)
             reports.append(page.report)
             openers[LIVE] = page_port
         stations = "" if link is None else f", operator on {link}"

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 from emulators.bench.columns import POSE
 from emulators.control.desk import CONTROL, Desk
 from emulators.control.lines import LineError, request_of
+from emulators.live.control import PageControl
 from emulators.live.hello import hello
 from emulators.live.incidents import LiveIncidents
 from emulators.live.moments import Moments
@@ -24,7 +25,7 @@ from firmware_bridge.live.messages import (
     encoded,
 )
 from firmware_bridge.live.state import Json, bridge_state, number
-from firmware_bridge.node import OPERATOR
+from firmware_bridge.node import OPERATOR, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
@@ -47,8 +48,8 @@ class PageError(Exception):
 class LiveBench:
     """A node around the control desk; what is not the page's passes to it."""
 
-    def __init__(self, rig: Rig, paced: PacedRig, desk: Desk, title: str) -> None:
-        """Take the bench, what paces it, its desk, and its title for people."""
+    def __init__(self, rig: Rig, paced: PacedRig, desk: Desk, title: str, operator: Node | None) -> None:
+        """Take the bench, what paces it, its desk, its title for people, and its operator."""
         self._rig: Final = rig
         self._paced: Final = paced
         self._desk: Final = desk
@@ -66,6 +67,7 @@ class LiveBench:
         robot = rig.robot.operator
         self._station: Final = PageStation((robot.system_id, robot.component_id))
         rig.world.attach(STATION, self._station, {OPERATOR: rig.operator_wire})
+        self._control: Final = PageControl(rig, self._station, operator)
         self._does: Final[Mapping[str, Callable[[Json], Json]]] = {
             "pause": self._pause,
             "speed": self._speed,
@@ -110,6 +112,8 @@ class LiveBench:
         self._now = now
         reaction = self._desk.wake(now)
         self._moments.keep(self._rig.world.now)
+        if self._control.turn():
+            self._rig.world.rouse(STATION)
         return self._shown(reaction, now)
 
     def _requested(self, packet: Packet) -> Reaction:
@@ -168,6 +172,7 @@ class LiveBench:
             self._moments.go_back(to)
         self._frames.forget()
         self._incidents.follow()
+        self._control.forget()
         self._paced.paces(self._now, paused=True)
         self._event(f"time is put back from {to_seconds(last):.2f} s to {to_seconds(to):.2f} s", "info")
         return {"at_s": to_seconds(self._rig.world.now)}
@@ -190,9 +195,12 @@ class LiveBench:
             # A bench that stands still would not carry it out.
             self._paced.paces(self._now, paused=False)
         if name == "stop":
-            # Only a station in control may pause the robot, and who looks at it must be able to.
-            self._station.orders("take_control")
-        self._station.orders(name, on=on)
+            self._control.stop()
+        elif name == "take_control":
+            self._control.take(on=on)
+        else:
+            self._station.orders(name, on=on)
+        self._control.turn()
         self._rig.world.rouse(STATION)
         return {}
 

@@ -68,6 +68,7 @@ class PageStation:
         self._holds = False
         """True from taking control until it is released, or the last page is closed."""
         self._unsent: list[bytes] = []
+        self._released: list[Packet] = []
         self.texts: Final = OrderedTexts()
         """What the robot has sent to it, or to another station."""
         self.refusals: list[str] = []
@@ -84,6 +85,12 @@ class PageStation:
             self._holds = on
         self._unsent.append(self._codec.encode(command(*self._robot, number, *params)))
 
+    def releases_for(self, system: int, component: int, place: int) -> None:
+        """Release control in the place of the mission's operator, who is the bench's own."""
+        number, params = ORDERS["take_control", False]
+        message = Codec(system, component).encode(command(*self._robot, number, *params))
+        self._released.append(Packet(OPERATOR, place, message))
+
     def leaves(self, now: Nanoseconds) -> None:
         """Let the stick go and fall silent, as the last page is closed: the link's time-out holds then."""
         self._holds = False
@@ -98,6 +105,7 @@ class PageStation:
     def wake(self, now: Nanoseconds) -> Reaction:
         """Send what is due: commands at once, the stick 20 times a second while the page drives."""
         sent, self._unsent = self._unsent, []
+        released, self._released = self._released, []
         silent = now - self._stick_at
         if silent >= ENDS_AFTER and not self._holds:
             self._due = NEVER
@@ -105,7 +113,7 @@ class PageStation:
             stick = self._stick if silent < SILENT_AFTER else NEUTRAL
             sent += [self._heartbeat(), self._manual(stick)]
             self._due = now + SENDS_EVERY
-        return Reaction(tuple(Packet(OPERATOR, PLACE, each) for each in sent), self._due)
+        return Reaction((*released, *(Packet(OPERATOR, PLACE, each) for each in sent)), self._due)
 
     def _heartbeat(self) -> bytes:
         return self._codec.encode(

@@ -11,7 +11,7 @@ from emulators.bench.mission import find as mission_of
 from emulators.control.desk import Desk
 from emulators.control.live import Live
 from emulators.live.bench import LiveBench
-from emulators.paced import PacedRig
+from emulators.paced import OutsideOperator, PacedRig
 from emulators.rig import Rig
 from emulators.run import RunOrder, operator_of
 from firmware_bridge.live.messages import LIVE, OPENED
@@ -25,16 +25,17 @@ PAGE, OTHER_PAGE = 1, 2
 class ShownBench:
     """A mission of a robot on the live page."""
 
-    def __init__(self, robot: str, mission: str) -> None:
+    def __init__(self, robot: str, mission: str, outside: OutsideOperator | None = None) -> None:
         machine = find(robot)
         setup = bench_setup_of(machine)
         script = mission_of(mission, machine, setup)
         order = RunOrder(machine, setup, mission, script, 0, Path())
-        rig = self.rig = Rig(script.on(machine), setup, operator_of(order), noise=script.noise)
+        operator = operator_of(order) if outside is None else outside
+        rig = self.rig = Rig(script.on(machine), setup, operator, noise=script.noise)
         live = Live(machine, rig.devices, rig.world, rig.devices.plant, rig.faults, in_reach=True)
-        paced = PacedRig(rig, from_seconds(script.duration_s))
+        paced = PacedRig(rig, from_seconds(script.duration_s), outside)
         desk = Desk(paced, live, self._report)
-        self.node: Final = LiveBench(rig, paced, desk, f"{robot}, {mission}")
+        self.node: Final = LiveBench(rig, paced, desk, f"{robot}, {mission}", operator)
         self.now: Nanoseconds = 0
         self.sent: Final[list[Packet]] = []
         self._wake_at: Nanoseconds = 0
@@ -96,9 +97,9 @@ def _refused(text: str) -> Any:
 
 
 @contextmanager
-def shown(robot: str, mission: str) -> Iterator[ShownBench]:
+def shown(robot: str, mission: str, outside: OutsideOperator | None = None) -> Iterator[ShownBench]:
     """Start a bench; let go of its plant at the end."""
-    bench = ShownBench(robot, mission)
+    bench = ShownBench(robot, mission, outside)
     try:
         yield bench
     finally:

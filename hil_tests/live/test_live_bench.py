@@ -1,14 +1,21 @@
 """A bench on the live page: what is shown, pace and rewind, faults, driving, stops; wrong requests."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
 from emulators.bench.faults.failures import failures_of
+from emulators.bench.foreign_datagrams import command
 from emulators.live.moments import MOST
 from emulators.live.page_station import SILENT_AFTER
+from emulators.paced import OutsideOperator
+from firmware_bridge.mavlink.frames import Codec, dialect
+from firmware_bridge.node import OPERATOR
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, from_seconds, to_seconds
+from firmware_bridge.wire.internet import number_of
 from hil_tests.live.shown_bench import OTHER_PAGE, PAGE, ShownBench, shown
 
 
@@ -28,7 +35,7 @@ def stick(bench: ShownBench, milliseconds: int, x: float = 0.0) -> None:
 def fastest(bench: ShownBench) -> float:
     """Return the largest part of the newest command."""
     command = bench.state()["command"]
-    return max(abs(float(value)) for value in command.values())
+    return max(abs(float(value or 0.0)) for value in command.values())
 
 
 def taken(bench: ShownBench) -> None:
@@ -209,6 +216,57 @@ def test_a_page_in_control_whose_stick_is_let_go_stays_there_and_one_that_is_clo
     (*_, state) = rome.messages(OTHER_PAGE, 0)
     assert "operator link timeout" in [one["name"] for one in state["interlocks"]]
     assert abs(max(state["command"].values())) == 0.0
+
+
+@pytest.mark.parametrize(("robot", "mission"), [("rars", "line"), ("rars", "circles"), ("rome", "line")])
+def test_a_stop_of_the_page_brings_a_mission_to_standstill_over_a_link_that_reorders_too(
+    robot: str, mission: str
+) -> None:
+    with shown(robot, mission) as bench:
+        bench.opens()
+        bench.runs(9000)
+        assert fastest(bench) > 0.05
+        bench.does("stop")
+        bench.runs(3000)
+        state = bench.state()
+        assert not state["stopped"], "no emergency stop is needed"
+        assert "operation paused" in [one["name"] for one in state["interlocks"]]
+        assert state["operator"]["station"].startswith("254/190")
+        assert all(abs(axis["velocity"]) < 0.05 for axis in state["axes"])
+
+
+def test_control_is_taken_from_the_mission_and_given_back(rome: ShownBench) -> None:
+    rome.opens()
+    rome.runs(4000)
+    rome.does("take_control", on=True)
+    rome.runs(500)
+    assert rome.state()["operator"]["station"].startswith("254/190")
+    rome.does("take_control", on=False)
+    rome.runs(1500)
+    assert not rome.state()["operator"]["station"].startswith("254/190")
+
+
+def test_a_station_outside_keeps_its_control_and_a_stop_is_an_emergency_stop_then() -> None:
+    outside = OutsideOperator()
+    codec = Codec(255, 190)
+    with shown("rome", "line", outside) as bench:
+
+        def hold(milliseconds: int, *messages: Any) -> None:
+            for _ in range(0, milliseconds, 50):
+                for one in (*messages, dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0)):
+                    outside.put(Packet(OPERATOR, number_of("127.0.0.1", 14_550), codec.encode(one)))
+                bench.rig.world.rouse("operator")
+                bench.runs(50)
+
+        bench.opens()
+        hold(3000, dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
+        hold(300, command(1, 1, 32100, 1.0))
+        bench.does("take_control", on=True)
+        hold(1000)
+        assert bench.state()["operator"]["station"].startswith("255/190")
+        bench.does("stop")
+        hold(1500)
+        assert bench.state()["stopped"]
 
 
 @pytest.mark.parametrize("paused", [False, True])
