@@ -8,6 +8,9 @@ from zipfile import ZipFile
 ROOT: Final = Path(__file__).parents[2]
 PACKAGES: Final = ("firmware_bridge/", "emulators/", "fmu/")
 
+PLOTS = {f"firmware_bridge/live/uplot.{name}" for name in ("js", "css", "LICENSE")}
+"""What draws the live page's plots: taken from npm where that is there, and in no checkout."""
+
 
 def tracked() -> set[str]:
     """Return the checkout's files."""
@@ -21,4 +24,6 @@ def difference(wheel: Path) -> tuple[set[str], set[str]]:
     with ZipFile(wheel) as archive:
         held = set(archive.namelist())
     built = {it for it in held if it.endswith((".so", ".fmu")) or ".dist-info/" in it}
+    # All of it, its licence included, or nothing of it.
+    built |= PLOTS if held >= PLOTS else set()
     return ours - held, held - ours - built
