@@ -7,6 +7,8 @@ answer has its `id`, `ok`, the instant `at_s` of the devices' clock, and what wa
 import json
 from typing import Any, Final
 
+from firmware_bridge.json_line import JsonLineError, read_object
+
 VERSION: Final = 1
 
 
@@ -17,11 +19,10 @@ class LineError(Exception):
 def request_of(line: bytes) -> dict[str, Any]:
     """Return the request in a line; LineError."""
     try:
-        request = json.loads(line)
-    # Beside what is no JSON: numbers of too many digits, and lists in lists without end.
-    except (ValueError, RecursionError) as error:
-        raise LineError(f"not a line of JSON: {error}") from error
-    if not isinstance(request, dict) or not isinstance(request.get("do"), str):
+        request = read_object(line)
+    except JsonLineError as error:
+        raise LineError(str(error)) from error
+    if not isinstance(request.get("do"), str):
         raise LineError('a request is an object with "do": "state", for instance')
     return request
 

@@ -189,7 +189,7 @@ class LiveBench:
 
     def _order(self, request: Json) -> Json:
         name, on = request["do"], request.get("on", True)
-        if (name, on) not in ORDERS:
+        if not isinstance(on, bool) or (name, on) not in ORDERS:
             raise PageError(f'{name}: "on" is true or false')
         if name.endswith("stop"):
             # A bench that stands still would not carry it out.

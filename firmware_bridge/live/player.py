@@ -1,10 +1,10 @@
 """A recording on the live page: played at any pace, paused, and put to any instant."""
 
-import json
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
 
 from firmware_bridge.dissector.bus_picture import BusPicture
+from firmware_bridge.json_line import JsonLineError, read_object
 from firmware_bridge.live.messages import (
     ALL_PAGES,
     CLOSED,
@@ -101,14 +101,17 @@ class Player:
         self._base, self._since = max(0, min(base, self._recording.end)), now
 
     def _answer(self, line: bytes, now: Nanoseconds) -> Json:
-        request: Any = None
-        with suppress(ValueError, RecursionError):
-            request = json.loads(line)
-        name = request.get("do") if isinstance(request, dict) else None
+        request: Json = {}
+        with suppress(JsonLineError):
+            request = read_object(line)
+        name = request.get("do")
         work = self._does.get(name) if isinstance(name, str) else None
         if work is None:
-            given = request.get("id") if isinstance(request, dict) else None
-            return {"id": given, "ok": False, "error": f"a recording has: {', '.join(self._does)}"}
+            return {
+                "id": request.get("id"),
+                "ok": False,
+                "error": f"a recording has: {', '.join(self._does)}",
+            }
         try:
             return {"id": request.get("id"), "ok": True, **work(request, now)}
         except PlayerError as error:

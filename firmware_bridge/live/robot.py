@@ -1,11 +1,11 @@
 """A bridge on a real robot, on the live page: it is shown, and the page may stop it, and nothing else."""
 
-import json
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Final
 
 from firmware_bridge.bridge import Bridge
+from firmware_bridge.json_line import JsonLineError, read_object
 from firmware_bridge.live.messages import (
     ALL_PAGES,
     CLOSED,
@@ -83,8 +83,8 @@ class LiveRobot:
     def _requested(self, packet: Packet, now: Nanoseconds) -> Reaction:
         number, name = None, ""
         # What cannot be read is refused as a request without a name.
-        with suppress(ValueError, AttributeError, RecursionError):
-            request = json.loads(packet.payload)
+        with suppress(JsonLineError):
+            request = read_object(packet.payload)
             number, name = request.get("id"), str(request.get("do"))
         stop = self._stops.get(name)
         if stop is None:

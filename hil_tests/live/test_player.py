@@ -160,7 +160,13 @@ def test_frames_are_in_words_by_the_mapping_that_was_written_before(played: Play
     "line",
     [
         *(b"{", b"[]", b'{"id":4}', b'{"do":["arm"]}', b'{"do":"arm"}', b'{"do":"pause"}'),
-        *(b'{"do":"speed"}', b'{"do":"rewind","to_s":1e300}', b"\xff", b"[" * 60_000),
+        *(
+            b'{"do":"speed"}',
+            b'{"do":"rewind","to_s":1e300}',
+            b'{"id":1e999,"do":"step"}',
+            b"\xff",
+            b"[" * 60_000,
+        ),
     ],
 )
 def test_a_request_that_is_none_is_refused_and_it_plays_on(played: Played, line: bytes) -> None:
