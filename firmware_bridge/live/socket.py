@@ -83,7 +83,8 @@ class LiveSocket:
             if key.data is None:
                 self._accept()
                 continue
-            if events & selectors.EVENT_WRITE:
+            # It may have made room for another one just now.
+            if events & selectors.EVENT_WRITE and key.data in self._clients:
                 found += self._pushed(key.data)
             if events & selectors.EVENT_READ and key.data in self._clients:
                 found += self._received(key.data)

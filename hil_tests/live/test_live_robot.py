@@ -11,13 +11,15 @@ from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.mission import find as mission_of
 from emulators.bench.operator import ScriptedOperator
 from emulators.rig import BRIDGE, Rig
+from firmware_bridge.bridge import Bridge
 from firmware_bridge.drivers.driver import Power
 from firmware_bridge.live.messages import CLOSED, LIVE, OPENED
 from firmware_bridge.live.robot import PLACE, LiveRobot
+from firmware_bridge.mavlink.trust import Trust
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot_types import find
-from firmware_bridge.units import from_seconds
+from firmware_bridge.robot_types import find, robot_type_of
+from firmware_bridge.units import MILLISECOND, SECOND, from_seconds
 
 PAGE: Final = 1
 
@@ -158,3 +160,16 @@ def test_the_page_changes_nothing_on_the_wires() -> None:
             rig.run(from_seconds(5.0))
         assert plain.world.trace_sha256 == shown.rig.world.trace_sha256
     plain.finish()
+
+
+def test_an_emergency_stop_of_the_page_counts_on_a_link_with_signatures_too() -> None:
+    robot = find("rome")
+    trust = Trust(key=b"k" * 32, started_at=1_700_000_000 * SECOND)
+    bridge = Bridge(robot, robot_type_of(robot), trust)
+    live = LiveRobot(bridge, bridge, robot, pytest.fail)
+    live.wake(0)
+    live.receive(Packet(LIVE, PAGE, OPENED), 5 * MILLISECOND)
+    live.receive(Packet(LIVE, PAGE, b'{"id":1,"do":"emergency_stop"}'), 10 * MILLISECOND)
+    for now in range(20, 100, 10):
+        live.wake(now * MILLISECOND)
+    assert bridge.seen.facts.emergency_stopped

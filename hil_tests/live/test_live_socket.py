@@ -3,6 +3,7 @@
 import base64
 import hashlib
 import re
+import selectors
 import socket
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
@@ -200,3 +201,18 @@ def test_a_port_that_is_taken_is_one_message() -> None:
         pytest.raises(PortError, match=f"cannot open the live page at 127.0.0.1:{one.number}"),
     ):
         LiveSocket(one.number)
+
+
+def test_a_connection_that_makes_room_for_another_may_have_had_something_to_send() -> None:
+    port = LiveSocket()
+    number = int(port.name.rpartition(":")[2].partition("/")[0])
+    with ExitStack() as stack:
+        for _ in range(MOST_CLIENTS):
+            stack.enter_context(socket.create_connection((LOOPBACK, number), timeout=HUNG_S))
+            port.read(0)
+        oldest = next(iter(port._clients.values())).connection  # noqa: SLF001 - as with unsent bytes
+        port._ready.modify(oldest, selectors.EVENT_READ | selectors.EVENT_WRITE, 1)  # noqa: SLF001 - as above
+        stack.enter_context(socket.create_connection((LOOPBACK, number), timeout=HUNG_S))
+        assert port.read(0) == []
+        assert len(port._clients) == MOST_CLIENTS  # noqa: SLF001 - as above
+    port.close()
