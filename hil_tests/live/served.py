@@ -18,10 +18,17 @@ class Served:
     def __init__(self) -> None:
         self.port: Final = LiveSocket()
         self.number: Final = int(self.port.name.rpartition(":")[2].partition("/")[0])
-        self.received: Final[list[tuple[int, bytes]]] = []
+        self._received: Final[list[tuple[int, bytes]]] = []
         self._rung, self._bell = socket.socketpair()
         self._thread: Final = threading.Thread(target=self._serve, daemon=True)
         self._thread.start()
+
+    @property
+    def received(self) -> list[tuple[int, bytes]]:
+        """What the port has returned of all that its clients have seen answered."""
+        # A client sees an answer before the thread has stored what it answers; the next request is later.
+        self.get(self.page)
+        return self._received
 
     @property
     def page(self) -> str:
@@ -66,7 +73,7 @@ class Served:
             if self._rung.fileno() in ready:
                 return
             for address, payload in self.port.read(0):
-                self.received.append((address, payload))
+                self._received.append((address, payload))
                 if payload.startswith(b"{"):
                     self.port.write(address, payload, 0)
 
