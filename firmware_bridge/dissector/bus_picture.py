@@ -15,15 +15,11 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand, NmtState
 from firmware_bridge.dissector.canopen import MASTER, PDO, Canopen, service_name
 from firmware_bridge.dissector.expected import Expected
-from firmware_bridge.dissector.lately import Lately
+from firmware_bridge.dissector.traffic import BURST, RECENT, Traffic
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.can import ERROR, INTERFRAME_BITS, REMOTE, frame_bits
 
-RECENT: Final[Nanoseconds] = SECOND
-"""Rates and load are those of this span."""
-BURST: Final[Nanoseconds] = 100 * MILLISECOND
-"""The peak load is the highest that any span of this length has seen."""
 BEATS: Final = 5
 """Number of last intervals between heartbeats that give the period."""
 SHORTEST: Final[Nanoseconds] = MILLISECOND
@@ -91,7 +87,6 @@ class MessageSeen:
     status: tuple[int, int, int] | None = None
     """Of a PDO with the sender's Statusword: its length, and where the Statusword is."""
     count: int = 0
-    lately: Lately = field(default_factory=lambda: Lately(RECENT))
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +123,7 @@ class BusPicture:
         self._titles = {one.node: one.title for one in expected}
         self._look_at: Nanoseconds = -NEVER
         """Before it no heartbeat is overdue."""
-        self._recent, self._burst = Lately(RECENT), Lately(BURST)
+        self._traffic: Final = Traffic()
         for one in expected:
             self._reader.expect(one.node, one.written, one.dictionary)
 
@@ -145,7 +140,7 @@ class BusPicture:
     @property
     def load_percent(self) -> float:
         """The part of the last `RECENT` in which the bus was taken, or of the time since the first frame."""
-        return self._percent(self._recent.total(self.now), min(RECENT, self.elapsed))
+        return self._percent(self._traffic.bits(self.now), min(RECENT, self.elapsed))
 
     @property
     def mean_percent(self) -> float:
@@ -155,14 +150,15 @@ class BusPicture:
     @property
     def peak_percent(self) -> float:
         """The load in the busiest `BURST`."""
-        return self._percent(self._burst.peak, min(BURST, self.elapsed))
+        return self._percent(self._traffic.peak, min(BURST, self.elapsed))
 
     def messages(self) -> Iterator[tuple[int, str, str, int, float]]:
         """Yield identifier, kind, last decoded text, count, and frames a second, by identifier."""
+        recent = self._traffic.frames(self.now)
         for address, one in sorted(self._messages.items()):
             if one.read is None:
                 one.read = self._read(one.packet)
-            yield address, *one.read, one.count, one.lately.total(self.now) / to_seconds(RECENT)
+            yield address, *one.read, one.count, recent[address] / to_seconds(RECENT)
 
     def text_of(self, packet: Packet) -> str:
         """Return the newest frame's decoded text; it was noted before."""
@@ -182,22 +178,21 @@ class BusPicture:
         if self.first_at is None:
             self.first_at = self.now = now
         # Before the frame itself: a heartbeat that arrives now was missing until now.
-        late = self.pass_time(now)
+        late = self.pass_time(now) if now >= self._look_at else ()
+        self.now = max(self.now, now)
         address = packet.address
         if address & ERROR:
             return (*late, self._wrong(self._reader.read("", packet)))
         self.frames += 1
         bits = frame_bits(address, packet.payload) + INTERFRAME_BITS
         self.bits += bits
-        self._recent.add(now, bits)
-        self._burst.add(now, bits)
+        self._traffic.add(now, address, bits)
         message = self._messages.get(address)
         if message is None:
             message = self._messages[address] = MessageSeen(packet, service_name(packet))
         # Decoded when it is shown: most frames of a busy bus are never looked at.
         message.packet, message.read = packet, None
         message.count += 1
-        message.lately.add(now, 1)
         changes = self._process_data(message) if message.kind in _DATA else self._changes(now, message)
         return (*late, *changes) if late or changes else ()
 

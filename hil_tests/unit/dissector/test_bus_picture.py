@@ -13,7 +13,6 @@ from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtState
 from firmware_bridge.dissector.bus_picture import BusPicture
 from firmware_bridge.dissector.expected import can_links, expected_on
-from firmware_bridge.dissector.lately import Lately
 from firmware_bridge.families.epos2.settings import Epos2Axis
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
@@ -201,26 +200,6 @@ def test_nothing_received_is_a_picture_too() -> None:
     picture = BusPicture(1_000_000)
     assert picture.pass_time(SECOND) == ()
     assert (picture.nodes, [*picture.messages()], picture.load_percent, picture.error) == ((), [], 0.0, None)
-
-
-@every(
-    ("span", "amounts", "at", "total"),
-    [
-        (10, [(0, 1)], 9, 1),
-        (10, [(0, 1)], 10, 0),
-        (10, [(0, 1), (0, 2), (5, 3)], 9, 6),
-        (10, [(0, 1), (0, 2), (5, 3)], 12, 3),
-        (10, [(0, 1), (30, 2)], 30, 2),
-    ],
-)
-def test_a_sum_forgets_what_is_as_old_as_its_span(
-    span: int, amounts: list[tuple[int, int]], at: int, total: int
-) -> None:
-    lately = Lately(span)
-    for when, amount in amounts:
-        lately.add(when, amount)
-    assert lately.total(at) == total
-    assert lately.peak == max(sum(a for t, a in amounts if now - span < t <= now) for now, _ in amounts)
 
 
 def test_a_recording_of_a_third_party_master_is_one_picture_and_always_the_same() -> None:
