@@ -32,7 +32,6 @@ FOR_PLANTS: Final = ("fmpy>=0.3.22", "numpy>=1.26", "sympy>=1.12")
 WAY_OF_A_PACKET: Final = (
     "emulators/arduino_omni/ar2/*.py",
     "emulators/arduino_omni/board.py",
-    "emulators/arduino_omni/faults.py",
     "emulators/arduino_omni/mega/*.py",
     "emulators/arduino_omni/motors.py",
     "emulators/arduino_omni/shield/*.py",

@@ -304,8 +304,8 @@ class EmulatedFamily:
     traits: frozenset[Trait] = frozenset()
     faults: "Callable[[], Sequence[FaultKind]]" = _no_faults
     """Return the kinds of faults that only its devices can have."""
-    alone_faults: Callable[[], Mapping[str, str]] | None = None
-    """Return the faults that `emulate` puts on one device alone, and where; None without any."""
+    alone: Callable[[], AnyRobot] | None = None
+    """Return a stand-in for the robot of a device that `emulate` runs alone; None where none is."""
     on_ports: "Callable[[AnyRobot, RobotOptions], Emulation] | None" = None
     """Make a robot of its devices for `emulate ROBOT`; None: each is on a serial line of its own."""
     spoken: Callable[[AnyRobot, str], str] = _kind_of

@@ -79,6 +79,10 @@ class Cluster:
         self._outbox.append(packet)
         self._between.append((None, packet))
 
+    def report(self, link: str, state: int) -> None:
+        """Report to a line's port what became of its cable, `LINE_LOST` or `LINE_BACK`."""
+        self._outbox.append(Packet(link, state, b""))
+
     def here(self, name: str) -> bool:
         """Return whether there is a member of this name."""
         return name in self._members
@@ -118,13 +122,7 @@ class Cluster:
         Where the machine was busy, an answer comes before the timeout of the member that waits for it.
         """
         self._advance(now)
-        # By time, then by name: members that are due at once always come in the same order.
-        for _, name in sorted((it.wake_at, name) for name, it in self._members.items() if it.wake_at <= now):
-            member = self._members[name]
-            if member.wake_at <= now:
-                member.wake_at = NEVER
-                self._take(member, member.node.wake(now), now)
-                self._exchange(now)
+        self._wake_those_due(now)
         return self._reaction(now)
 
     def _advance(self, now: Nanoseconds) -> None:
@@ -133,10 +131,23 @@ class Cluster:
             at, _, call, argument = self._agenda.pop(0)
             self.now = max(at, self.now)
             self._move(self.now)
+            # A device may move its motors itself as it is woken: what is changed begins now, not before.
+            for member in self._members.values():
+                member.wake_at = min(member.wake_at, self.now)
+            self._wake_those_due(self.now)
             call(argument)
             self._exchange(self.now)
         self.now = now
         self._move(now)
+
+    def _wake_those_due(self, now: Nanoseconds) -> None:
+        # By time, then by name: members that are due at once always come in the same order.
+        for _, name in sorted((it.wake_at, name) for name, it in self._members.items() if it.wake_at <= now):
+            member = self._members[name]
+            if member.wake_at <= now:
+                member.wake_at = NEVER
+                self._take(member, member.node.wake(now), now)
+                self._exchange(now)
 
     def _move(self, now: Nanoseconds) -> None:
         """Move the physics on."""

@@ -337,6 +337,12 @@ class EncoderCableOff(_WireOff):
 
     kind: ClassVar = "encoder_cable_off"
 
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Let it begin; PlantError where the motor has no encoder."""
+        for motors, place in self._found(site):
+            motors.has_encoder(place)
+        super().put_on(site, chance)
+
     def _wires(self, motors: Motors) -> set[int]:
         return motors.faults.dead
 

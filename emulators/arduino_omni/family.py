@@ -125,10 +125,11 @@ def _faults() -> "tuple[FaultKind, ...]":
     return BOARD_ROWS
 
 
-def _alone_faults() -> dict[str, str]:
-    from emulators.arduino_omni.faults import FAULTS  # noqa: PLC0415 - as above
+def _alone() -> AnyRobot:
+    from emulators.arduino_omni.commands.board import alone_on_line  # noqa: PLC0415 - a command's own
+    from emulators.arduino_omni.motors import four_motors  # noqa: PLC0415 - as above
 
-    return {name: ", ".join(row.nodes) for name, row in FAULTS.items()}
+    return alone_on_line(four_motors().names)
 
 
 def _reports(node: Node, link: str) -> None:
@@ -157,7 +158,7 @@ FAMILY: Final = EmulatedFamily(
     traits=frozenset({Trait.MOTOR, Trait.ENCODER}),
     faults=_faults,
     aliases=("board",),
-    alone_faults=_alone_faults,
+    alone=_alone,
     spoken=_spoken,
     reports_to_console=_reports,
     questions=QUESTIONS,

@@ -224,6 +224,11 @@ class Motors(Shafts):
         given = self._constant_supply if place is None else self._plant.outputs[place : place + 1][0]
         return min(given, self.faults.supply)
 
+    def has_encoder(self, motor: int) -> None:
+        """Raise PlantError where a motor has none."""
+        if motor >= self._seen:
+            raise PlantError(f"{self._load.names[motor]} has no encoder")
+
     def block(self, motor: int, *, blocked: bool) -> None:
         """Let something hold a motor's shaft, or let it go; PlantError where the plant has no way for it."""
         # Before any tick is run: a plant without that input stays as it was.

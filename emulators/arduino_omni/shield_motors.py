@@ -24,6 +24,7 @@ class ShieldMotor:
 
     def swap_channels(self, *, swapped: bool) -> None:
         """Exchange the channels of its encoder, or put them back."""
+        self._board.motors.has_encoder(self._terminal - 1)
         wires = self._board.motors.faults.swapped
         (wires.add if swapped else wires.discard)(self._terminal - 1)
 

@@ -164,12 +164,19 @@ def _faults() -> "Sequence[FaultKind]":
     return ROWS
 
 
+def _alone() -> AnyRobot:
+    from emulators.cia402.commands.on_bus import alone_on_bus  # noqa: PLC0415 - a command's own
+
+    return alone_on_bus("cia402", {"motor1": 1})
+
+
 FAMILY: Final = EmulatedFamily(
     links=(Cia402Link,),
     plans=_plans,
     bus=_bus,
     traits=frozenset({Trait.DRIVE, Trait.ENCODER}),
     faults=_faults,
+    alone=_alone,
     on_ports=_on_ports,
     axis_table=_axis_table,
 )

@@ -7,7 +7,7 @@ import typer
 
 from emulators.cli import emulation
 from emulators.cli.emulation import Emulation, emulating
-from emulators.cli.options import ControlOption, LatencyOption, ParametersOption, PlantOption
+from emulators.cli.options import ControlOption, FaultOption, LatencyOption, ParametersOption, PlantOption
 from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.cli.options import (
     DurationOption,
@@ -76,6 +76,7 @@ class RobotOptions(Outside):
     link: LinkOption = None
     record: RecordOption = None
     control: ControlOption = "unix"
+    fault: FaultOption = None
     duration: DurationOption = None
 
 

@@ -1,13 +1,13 @@
 """The common part of all `emulate`: devices as one node, their ports, recording, and the run in real time."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, Protocol, TypeVar
 
 from typer.core import TyperCommand
 
 from firmware_bridge.cli.commands import command
-from firmware_bridge.cli.console import one_message, say
+from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.recorded import recording
 from firmware_bridge.node import Node
@@ -66,15 +66,17 @@ def run(given: RunOptions, emulation: Emulation) -> None:
     from firmware_bridge.runtime.ports import PortError
 
     box = recording(getattr(given, "record", None), emulation.files, called=emulation.called)
-    place = getattr(given, "control", NONE)
+    place, faults = getattr(given, "control", NONE), getattr(given, "fault", None) or ()
     with box as (around, report):
         # Before the ports: a host that has opened one must not wait for it.
-        live = None if emulation.live is None or place == NONE else emulation.live()
+        live = None if emulation.live is None or not (faults or place != NONE) else emulation.live()
+        if live is not None:
+            _planned(live, faults, report)
         with one_message(PortError):
             openers, where = emulation.opened()
         node = emulation.around(around(emulation.node))
         clock = LivedClock()
-        if live is not None:
+        if live is not None and place != NONE:
             node, openers = _controlled(node, openers, live, place, (report, clock))
         carry(
             node,
@@ -86,6 +88,20 @@ def run(given: RunOptions, emulation: Emulation) -> None:
         )
     if emulation.ended is not None:
         say(emulation.ended())
+
+
+def _planned(live: "Live", faults: Sequence[str], report: Callable[[str], None]) -> None:
+    """Plan the faults of the command line; one that cannot be ends the program with a message."""
+    from emulators.control.keys import WordError
+    from emulators.control.words import beginning, fault_of, plan, planned
+
+    for text in faults:
+        try:
+            fault = fault_of(live, planned(text))
+            plan(live, [fault])
+        except WordError as error:
+            raise refusal(f"--fault {text}: {error}") from None
+        live.carrier.call_at(fault.begin, report, beginning(live, fault))
 
 
 def _controlled(

@@ -1,6 +1,6 @@
 """`faults`: which faults a mission, a test and the failure report can put on a robot, and where."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -23,8 +23,6 @@ In a mission: `[[fault]]` with `kind`, `at_s`, `for_s` and the keys; in a test:
 `rig.fault("encoder_cable_off", node="one", for_s=2.0)`; keys in brackets may be left out."""
 COMMON: Final = frozenset({"at_s", "title", "until_s", "for_s"})
 """Keys of every fault."""
-ONE: Final = "a drive"
-"""Place of a fault that takes the keys of a mission."""
 HEADINGS: Final = ("fault", "where", "keys", "what happens")
 
 
@@ -53,43 +51,44 @@ def run(given: FaultsOptions) -> None:
     from emulators.bench.faults import kinds
     from firmware_bridge.cli.tables import terminal
 
-    alone = _alone()
-    robot = None if given.robot is None or given.robot in alone else find_robot(given.robot)
-    if robot is not None:
-        places = _of(robot)
+    stand_in = _alone().get(given.robot or "")
+    if stand_in is not None:
+        places = _of(stand_in(), alone=True)
     elif given.robot is not None:
-        places = dict(alone[given.robot]())
+        places = _of(find_robot(given.robot))
     else:
         places = {kind.name: _who(kind) for kind in kinds().values()}
     table = Table(title="faults" if given.robot is None else f"faults of {given.robot}")
     for heading in HEADINGS:
         table.add_column(heading, overflow="fold")
     for name, where in places.items():
-        # `emulate board` takes no key but the motor.
-        keys = ["node"][: bool(where)] if given.robot in alone and where != ONE else _keys(kinds()[name])
-        table.add_row(name, where, ", ".join(keys), kinds()[name].happens)
+        table.add_row(name, where, ", ".join(_keys(kinds()[name])), kinds()[name].happens)
     terminal().print(table)
 
 
-def _of(robot: "AnyRobot") -> dict[str, str]:
-    """Return where each kind that a robot can have may be put."""
+def _of(robot: "AnyRobot", *, alone: bool = False) -> dict[str, str]:
+    """Return where each kind that a robot can have may be put; `alone`: a device on a real bus or line."""
+    from emulators.bench.faults import kinds
     from emulators.bench.faults.failures import failures_of
+    from emulators.control.live import ON_PTYS
 
     found: dict[str, dict[str, None]] = {}
     for failure in failures_of(robot):
-        found.setdefault(failure.kind, {})[failure.place] = None
+        fault = kinds()[failure.kind].fault.model_validate({"at_s": 0.0, **failure.keys})
+        if not alone or failure.kind in ON_PTYS or not fault.real_bus_problem(robot):
+            found.setdefault(failure.kind, {})[failure.place] = None
     return {name: ", ".join(filter(None, places)) for name, places in found.items()}
 
 
-def _alone() -> "dict[str, Callable[[], Mapping[str, str]]]":
-    """Return the families of which one device alone can have faults, and what lists these."""
+def _alone() -> "dict[str, Callable[[], AnyRobot]]":
+    """Return the families of which `emulate` runs a device alone, and what returns its stand-in."""
     from emulators.family import families
 
     return {
-        word: one.alone_faults
+        word: one.alone
         for name, one in families().items()
         for word in (name, *one.aliases)
-        if one.alone_faults is not None
+        if one.alone is not None
     }
 
 

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from emulators.control.keys import WordError, keys_of, value_of
 from firmware_bridge.cli.commands import command
-from firmware_bridge.cli.console import FAILED, one_message, refusal
+from firmware_bridge.cli.console import FAILED, WRONG_INPUT, one_message, refusal
 
 if TYPE_CHECKING:
     from firmware_bridge.testing.control import Control
@@ -106,7 +107,7 @@ def _set(port: "Control", words: Sequence[str]) -> dict[str, Any]:
 def _restart(port: "Control", words: Sequence[str]) -> dict[str, Any]:
     if len(words) != 1:
         raise refusal("restart: give one drive, by name or number, or a board's link")
-    return port.request("restart", node=_value(words[0]))
+    return port.request("restart", node=value_of(words[0]))
 
 
 def _shutdown(port: "Control", words: Sequence[str]) -> dict[str, Any]:
@@ -130,22 +131,8 @@ def _no_more(word: str, words: Sequence[str]) -> None:
 
 def _keys(words: Sequence[str]) -> dict[str, Any]:
     """Return keys and values; a word that is none ends the program with a message."""
-    found: dict[str, Any] = {}
-    for word in words:
-        key, sign, value = word.partition("=")
-        if not sign or not key:
-            raise refusal(f"{word}: give KEY=VALUE, as node=left")
-        found[key] = [_value(one) for one in value.split(",")] if "," in value else _value(value)
-    return found
-
-
-def _value(text: str) -> Any:
-    for read in (int, float):
-        try:
-            return read(text)
-        except ValueError:
-            continue
-    return {"true": True, "false": False}.get(text, text)
+    with one_message(WordError, status=WRONG_INPUT):
+        return keys_of(words)
 
 
 def _seconds(text: str) -> float:

@@ -52,6 +52,15 @@ ControlOption = Annotated[
         "loopback, with a token; or none.",
     ),
 ]
+FaultOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="KIND[,KEY=VALUE][@FROM[-TO]]",
+        help="A fault of a mission, as shaft_blocked,node=M1@20-30, from and to a time in s; may be "
+        "repeated. `firmware-bridge faults` lists those of a device or a robot.",
+        show_default=False,
+    ),
+]
 LatencyOption = Annotated[
     bool,
     typer.Option(

@@ -48,6 +48,8 @@ def alone(
     motors: Sequence[Motor],
     cluster: Cluster,
     plant: object = None,
+    *,
+    on_ptys: bool = False,
 ) -> Live:
     """Return devices with their motors, and the plant below where that is an FMU."""
     fmu = plant if isinstance(plant, FmuPlant) else None
@@ -55,4 +57,4 @@ def alone(
     physics = Physics(_Found(motors), (), MILLISECOND)
     # Only a fault of the plant itself needs it, and this robot has none.
     devices = Devices(stations, physics, cast("FmuPlant", fmu), physics)
-    return on_real_links(robot, devices, cluster, fmu)
+    return on_real_links(robot, devices, cluster, fmu, on_ptys=on_ptys)

@@ -4,17 +4,15 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, Final, NoReturn
 
-from pydantic import ValidationError
-
-from emulators.bench.faults import kinds, read
-from emulators.bench.faults.schedule import FaultError
 from emulators.bench.records import FaultRecord
+from emulators.control.keys import WordError
 from emulators.control.lines import VERSION, LineError, line_of, request_of
 from emulators.control.live import Live
 from emulators.control.settable import Settable, SettingError
+from emulators.control.words import beginning, fault_of, plan
 from firmware_bridge.node import Finite, Node, Stoppable
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot.problems import near, problems_of
+from firmware_bridge.robot.problems import near
 from firmware_bridge.runtime.clock import LivedClock
 from firmware_bridge.units import Nanoseconds, to_seconds
 from fmu.errors import PlantError
@@ -92,7 +90,7 @@ class Desk:
             number = request.get("id")
             work = self._does.get(request["do"], self._unknown)
             return {"id": number, "ok": True, "at_s": at_s, **work(request)}
-        except (LineError, RefusedError, SettingError, PlantError) as error:
+        except (LineError, RefusedError, WordError, SettingError, PlantError) as error:
             return {"id": number, "ok": False, "at_s": at_s, "error": str(error)}
 
     def _unknown(self, request: dict[str, Any]) -> NoReturn:
@@ -107,29 +105,16 @@ class Desk:
 
     def _begin(self, kind: str, keys: dict[str, Any]) -> int:
         """Begin a fault now; return its number."""
-        robot, row = self._live.robot, kinds().get(kind)
-        try:
-            fault = read({"kind": kind, **keys, "at_s": to_seconds(self._live.carrier.now)}, robot)
-            if not self._live.in_reach and (problem := fault.real_bus_problem(robot)):
-                raise RefusedError(f"{kind}: not on a real bus or line: {problem}")
-            number = self._faults.plan([fault])
-        except ValidationError as error:
-            if row is None:
-                raise RefusedError(str(error.errors()[0]["msg"])) from error
-            stated = "; ".join(f"{key}: {problem}" for key, problem in problems_of(error, row.fault))
-            raise RefusedError(f"{kind}: {stated}") from error
-        except FaultError as error:
-            named = ((key.partition(".")[2], what) for key, what in error.problems)
-            stated = "; ".join(f"{key}: {what}" if key else what for key, what in named)
-            raise RefusedError(f"{kind}: {stated}") from error
+        live = self._live
+        fault = fault_of(live, {"kind": kind, **keys, "at_s": to_seconds(live.carrier.now)})
+        number = plan(live, [fault])
         try:
             # Now, so that what cannot begin is an answer, and not the devices' end.
             self._sent += self._node.wake(self._now).sent
         except Exception as error:
             self._faults.forget(number)
-            raise RefusedError(f"{kind}: {robot.name} cannot have it: {error}") from error
-        where = ", ".join(sorted(fault.targets(robot))) or robot.name
-        self._report(f"fault {kind} begins at {fault.at_s:.6f} s: {where}")
+            raise RefusedError(f"{kind}: {live.robot.name} cannot have it: {error}") from error
+        self._report(beginning(live, fault))
         return number
 
     def _clear(self, request: dict[str, Any]) -> dict[str, Any]:

@@ -12,10 +12,9 @@ from emulators.bench.faults.site import BRIDGE, Site
 from emulators.family import Devices, Way
 from emulators.gateway import Cluster
 from emulators.wires import DatagramWire, Disturbance, Effect
-from emulators.wires.adapter import Adapter
 from emulators.wires.disturbance import Standing
 from emulators.world import World, WorldNode
-from firmware_bridge.node import CAN
+from firmware_bridge.node import CAN, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -96,11 +95,33 @@ class LiveBus:
         _refused(station)
 
 
+class Cable:
+    """The cable of a device on a pseudo-terminal: without it the port is gone, and the device lives on."""
+
+    def __init__(self, cluster: Cluster, name: str, line: str) -> None:
+        """Take the devices, the name of the device, and that of the line outside."""
+        self._cluster: Final = cluster
+        self._name: Final = name
+        self._line: Final = line
+        self._plugged = True
+
+    @property
+    def plugged(self) -> bool:
+        """False while it is out; setting it pulls it, or plugs it in."""
+        return self._plugged
+
+    @plugged.setter
+    def plugged(self, plugged: bool) -> None:
+        self._plugged = plugged
+        self._cluster.report(self._line, LINE_BACK if plugged else LINE_LOST)
+        self._cluster.silence(self._name, NEVER if plugged else self._cluster.now)
+
+
 @dataclass(slots=True, eq=False)
 class NoBridges:
     """The bridge is another program: its own control of it is the user's."""
 
-    adapters: Sequence[Adapter] = ()
+    adapters: Sequence[Cable] = ()
     start: Callable[[], None] = _refused
     start_second: Callable[[], None] = _refused
     end: Callable[[str], None] = _refused
@@ -119,13 +140,19 @@ class LiveSite(Site):
         }
         on_can = {one.link for one in devices.stations.values() if Way.BUS in one.on.values()}
         buses = {link: LiveBus(cluster, self._outer[link][CAN]) for link in sorted(on_can)}
+        cables = [
+            Cable(cluster, name, cluster.links(name).get(own, own))
+            for name, one in devices.stations.items()
+            for own, way in one.on.items()
+            if way is Way.LINE and cluster.here(name)
+        ]
         super().__init__(
             robot,
             cluster,
             buses,
             DatagramWire(),
             devices=devices,
-            bridges=NoBridges(),
+            bridges=NoBridges(cables),
         )
         self._cluster: Final = cluster
         by_name = {bus.name: bus for bus in buses.values()}

@@ -211,15 +211,10 @@ def _axis_table(drive: "AxisDrive") -> "AxisTable":
     return axis_table(drive)
 
 
-def _alone_faults() -> dict[str, str]:
-    from emulators.bench.faults.fault import Stations  # noqa: PLC0415 - only who injects faults needs them
-    from emulators.bench.faults.table import kinds  # noqa: PLC0415 - as above
+def _alone() -> AnyRobot:
+    from emulators.epos2.commands.emulate import alone_on_bus  # noqa: PLC0415 - a command's own
 
-    return {
-        name: "a drive"
-        for name, kind in kinds().items()
-        if kind.fault.among not in {Stations.MOTORS, Stations.NONE} and "node" in kind.fault.model_fields
-    }
+    return alone_on_bus({"motor1": 1})
 
 
 FAMILY: Final = EmulatedFamily(
@@ -228,7 +223,7 @@ FAMILY: Final = EmulatedFamily(
     bus=_bus,
     line=_line,
     traits=frozenset({Trait.DRIVE, Trait.ENCODER}),
-    alone_faults=_alone_faults,
+    alone=_alone,
     on_ports=_on_ports,
     axis_table=_axis_table,
     presence=DeviceTypeRead,

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Final
 
 import emulators
-from emulators.arduino_omni.faults import ROWS
 from emulators.epos2.documents.fidelity import stated
 from firmware_bridge.families.motor_shield.wire import arduinoio, mw, ros_arduino_bridge
 
@@ -14,8 +13,6 @@ name: data sheets, the Arduino core, libraries and sketches. None of it was reco
 for a real board, built by avr-gcc and run by simavr, sends the same bytes on serial and on I2C as
 ros_arduino_bridge here (`pytest -m avr`). For the items on this page no source was found; they are
 assumptions that may change."""
-FAULTS_TEXT: Final = """Faults of a board: `emulate board --fault KIND,node=M1@FROM-TO`, times in s. The names
-are those of a mission's faults."""
 
 _ROOT: Final = Path(emulators.__file__).parent
 BOARD: Final = "arduino_omni"
@@ -39,9 +36,3 @@ def assumptions(folder: str) -> Iterator[tuple[str, str]]:
     for path in sorted((_ROOT / folder).rglob("*.py")):
         for what in stated(path.read_text(encoding="utf-8")):
             yield what, path.relative_to(_ROOT.parent).as_posix()
-
-
-def faults() -> Iterator[tuple[str, str]]:
-    """Yield each fault of the board by its name, and what it is."""
-    for row in ROWS:
-        yield row.name, row.what

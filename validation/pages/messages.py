@@ -52,6 +52,10 @@ ERRORS: Final[Mapping[str, tuple[str, str]]] = {
     "UnknownObjectError": ("the object dictionary has no such object", "see docs/objects.md"),
     "UnsupportedError": ("an FMU needs what FMI has and this program has not", "export it without"),
     "ValueTextError": ("a value does not fit its object", "give a number within the object's range"),
+    "WordError": (
+        "a fault or its keys cannot be read, or be put on these devices",
+        "see `firmware-bridge faults`",
+    ),
     "WorldError": ("nodes and wires of a bench do not fit together", "correct the set-up that is named"),
     "refusal": ("an option or an argument is wrong", "see `--help` of the command"),
 }

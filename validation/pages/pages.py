@@ -158,9 +158,6 @@ def _board_fidelity() -> str:
         table(("protocol", "command", "assumed"), board_fidelity.commands()),
         "## Stated assumptions",
         table(("assumption", "file"), board_fidelity.assumptions(board_fidelity.BOARD)),
-        "## Faults",
-        board_fidelity.FAULTS_TEXT,
-        table(("fault", "description"), board_fidelity.faults()),
     )
 
 

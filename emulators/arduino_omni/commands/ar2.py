@@ -8,7 +8,7 @@ import typer
 
 from emulators.arduino_omni.commands.line import LineOptions, checked, line_opened
 from emulators.cli.emulation import Emulation, emulating
-from emulators.cli.options import ControlOption
+from emulators.cli.options import ControlOption, FaultOption
 from firmware_bridge.cli.console import refusal
 from firmware_bridge.cli.options import DurationOption
 from firmware_bridge.cli.recorded import RecordOption
@@ -44,6 +44,7 @@ class Ar2Options(LineOptions):
     firmware: Annotated[str, typer.Option(help="Version of its sketch: 2.0 or 1.5.")] = "2.0"
     record: RecordOption = None
     control: ControlOption = "unix"
+    fault: FaultOption = None
     duration: DurationOption = None
 
 
@@ -75,11 +76,11 @@ def start(given: Ar2Options) -> Emulation:
         files={SERIAL: SERIAL_LOG},
         called=called,
         ended=lambda: f"the arm is at {_places(board)}; lost steps: {', '.join(map(str, board.joints.lost))}",
-        live=lambda: _live(board, cluster),
+        live=lambda: _live(board, cluster, on_pty=given.on_pty),
     )
 
 
-def _live(board: "Ar2Board", cluster: "Cluster") -> "Live":
+def _live(board: "Ar2Board", cluster: "Cluster", *, on_pty: bool) -> "Live":
     from emulators.arduino_omni.ar2.axes import JOINTS
     from emulators.arduino_omni.ar2.plant_joints import StepperMotor
     from emulators.control.alone import alone, stand_in
@@ -88,7 +89,8 @@ def _live(board: "Ar2Board", cluster: "Cluster") -> "Live":
     numbers = {axis.name: number for number, axis in enumerate(JOINTS, start=1)}
     motors = [StepperMotor(name, board) for name in numbers]
     station = Station(board, BOARD, {SERIAL: Way.LINE})
-    return alone(stand_in(("ar2", "joint"), "ar2", BOARD, numbers), {BOARD: station}, motors, cluster)
+    robot = stand_in(("ar2", "joint"), "ar2", BOARD, numbers)
+    return alone(robot, {BOARD: station}, motors, cluster, on_ptys=on_pty)
 
 
 def _places(board: "Ar2Board") -> str:

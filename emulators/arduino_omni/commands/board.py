@@ -1,5 +1,6 @@
 """An Arduino with a motor shield at the command line: `emulate board`."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Final
@@ -8,8 +9,8 @@ import typer
 
 from emulators.arduino_omni.commands.line import LineOptions, checked, line_opened
 from emulators.cli.emulation import Emulation, emulating
-from emulators.cli.options import ControlOption, plant_file
-from firmware_bridge.cli.console import one_message, refusal, say
+from emulators.cli.options import ControlOption, FaultOption, plant_file
+from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.cli.options import DurationOption
 from firmware_bridge.cli.recorded import RecordOption
 from firmware_bridge.node import SERIAL
@@ -18,10 +19,10 @@ from firmware_bridge.runtime.black_box import SERIAL_LOG
 
 if TYPE_CHECKING:
     from emulators.arduino_omni.board import Board, Firmware
-    from emulators.arduino_omni.faults import Planned
     from emulators.arduino_omni.motors import MotorLoad
     from emulators.control.live import Live
     from emulators.gateway import Cluster
+    from firmware_bridge.robot import AnyRobot
 
 
 EXAMPLES: Final = """Examples:
@@ -68,18 +69,6 @@ class BoardOptions(LineOptions):
             show_default="2000",
         ),
     ] = None
-    fault: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="KIND[,node=M1][@FROM[-TO]]",
-            help="A fault, from and to a time in s; may be repeated; by the names of a mission's "
-            "faults: current_limit, over_temperature, board_hangs, board_reset, board_brown_out, "
-            "board_unpowered, serial_unplugged, shield_absent, i2c_stuck, motor_supply_sag; of a motor, M1 "
-            "to M4: motor_cable_off, shaft_blocked, load_lifted, motor_leads_swapped; of M1 to M3: "
-            "encoder_cable_off, encoder_swapped.",
-            show_default=False,
-        ),
-    ] = None
     supply: Annotated[
         float | None,
         typer.Option(
@@ -110,6 +99,7 @@ class BoardOptions(LineOptions):
     ] = None
     record: RecordOption = None
     control: ControlOption = "unix"
+    fault: FaultOption = None
     duration: DurationOption = None
 
 
@@ -122,7 +112,6 @@ def start(given: BoardOptions) -> Emulation:
     """Make the board of `emulate motor_shield`; an error ends the program with a message."""
     from emulators.arduino_omni.board import Board
     from emulators.arduino_omni.commands.reported import keeping_reported
-    from emulators.arduino_omni.faults import FaultyBoard
     from emulators.arduino_omni.mega.mega import SketchError
     from emulators.arduino_omni.motors import SUPPLY_V
     from emulators.gateway import Cluster
@@ -132,7 +121,6 @@ def start(given: BoardOptions) -> Emulation:
     checked(given)
     firmware = _firmware(given)
     encoders = firmware.encoders[0] if given.encoders is None else given.encoders
-    plan = _plan(given)
     load = _load(given)
     board = Board(
         firmware,
@@ -144,7 +132,7 @@ def start(given: BoardOptions) -> Emulation:
     keeping_reported(board.mega)
     stock = "" if encoders in firmware.stock else NOT_STOCK
     called = {SERIAL: device_side("board", given.firmware)}
-    cluster = Cluster({BOARD: FaultyBoard(board, plan)}, links={BOARD: {SERIAL: SERIAL}})
+    cluster = Cluster({BOARD: board}, links={BOARD: {SERIAL: SERIAL}})
     return Emulation(
         node=cluster,
         opened=partial(line_opened, given, firmware.baud),
@@ -154,19 +142,26 @@ def start(given: BoardOptions) -> Emulation:
         errors=(PlantError, ServoError, SketchError),
         files={SERIAL: SERIAL_LOG},
         called=called,
-        live=lambda: _live(board, load.names, cluster),
+        live=lambda: _live(board, load.names, cluster, on_pty=given.on_pty),
     )
 
 
-def _live(board: "Board", names: tuple[str, ...], cluster: "Cluster") -> "Live":
+def _live(board: "Board", names: tuple[str, ...], cluster: "Cluster", *, on_pty: bool) -> "Live":
     from emulators.arduino_omni.shield_motors import ShieldMotor
-    from emulators.control.alone import alone, stand_in
+    from emulators.control.alone import alone
     from emulators.family import Station, Way
 
-    ports = {axis: port for port, axis in enumerate(names, start=1)}
-    motors = [ShieldMotor(axis, board, port) for axis, port in ports.items()]
+    motors = [ShieldMotor(axis, board, port) for port, axis in enumerate(names, start=1)]
     station = Station(board, BOARD, {SERIAL: Way.LINE})
-    return alone(stand_in(("rome", "port"), "board", BOARD, ports), {BOARD: station}, motors, cluster)
+    return alone(alone_on_line(names), {BOARD: station}, motors, cluster, on_ptys=on_pty)
+
+
+def alone_on_line(names: Sequence[str]) -> "AnyRobot":
+    """Return a stand-in for the robot of a board, with the names of its motors by terminal."""
+    from emulators.control.alone import stand_in
+
+    ports = {axis: port for port, axis in enumerate(names, start=1)}
+    return stand_in(("rome", "port"), "board", BOARD, ports)
 
 
 def _firmware(given: BoardOptions) -> "Firmware":
@@ -184,22 +179,6 @@ def _firmware(given: BoardOptions) -> "Firmware":
             " they are commanded otherwise"
         )
     return found
-
-
-def _plan(given: BoardOptions) -> "list[Planned]":
-    from emulators.arduino_omni.faults import UNPLUGGED, planned
-    from firmware_bridge.runtime.ports.pseudo_terminal import WORD
-
-    try:
-        plan = [planned(text) for text in given.fault or ()]
-    except ValueError as error:
-        raise refusal(f"--fault {error}") from None
-    for text, one in zip(given.fault or (), plan, strict=True):
-        if one.instead:
-            say(f"--fault {text}: is called {one.instead} now", err=True)
-    if given.serial != WORD and any(one.fault is UNPLUGGED for one in plan):
-        raise refusal(f"--fault {UNPLUGGED.name}: only --serial {WORD} has a cable that can be pulled")
-    return plan
 
 
 def _load(given: BoardOptions) -> "MotorLoad":

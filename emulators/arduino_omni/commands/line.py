@@ -39,6 +39,13 @@ class LineOptions:
         ),
     ] = False
 
+    @property
+    def on_pty(self) -> bool:
+        """True where the line is a pseudo-terminal, whose cable can be pulled."""
+        from firmware_bridge.runtime.ports.pseudo_terminal import WORD
+
+        return self.serial == WORD
+
 
 def line_opened(given: LineOptions, baud: int) -> "tuple[Openers, str]":
     """Open the line at once, because its name is found out only then; PortError."""
@@ -50,9 +57,7 @@ def line_opened(given: LineOptions, baud: int) -> "tuple[Openers, str]":
 
 def checked(given: LineOptions) -> None:
     """End the program with a message where an option is of a pseudo-terminal alone."""
-    from firmware_bridge.runtime.ports.pseudo_terminal import WORD
-
-    if given.reset_on_open and given.serial != WORD:
+    if given.reset_on_open and not given.on_pty:
         raise refusal(
             f"--reset-on-open: on {given.serial} the device itself decides; only --serial pty needs it"
         )

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, runtime_checkable
 
 from emulators.family import Devices
 from emulators.wires import DatagramWire, Disturbance
-from emulators.wires.adapter import Adapter
 from emulators.world import Wire, WorldNode
 from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node
 from firmware_bridge.packet import Packet, Reaction
@@ -80,11 +79,17 @@ class Bus(Wire, Protocol):
         """Return how many frames of a node have not wholly left."""
 
 
+class Pluggable(Protocol):
+    """What has a plug that a fault can pull."""
+
+    plugged: bool
+
+
 class Bridges(Protocol):
     """Source of the bridge's processes, with the adapters that they use."""
 
     @property
-    def adapters(self) -> Sequence[Adapter]:
+    def adapters(self) -> Sequence[Pluggable]:
         """Adapters of the newest process at its ends of the serial lines."""
 
     def start(self) -> None:

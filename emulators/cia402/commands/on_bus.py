@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from emulators.cli.emulation import Emulation
-from emulators.cli.options import ControlOption, ParametersOption
+from emulators.cli.options import ControlOption, FaultOption, ParametersOption
 from emulators.servo.motor import SUPPLY_MV
 from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, DurationOption, InterfaceOption
@@ -17,12 +17,13 @@ from firmware_bridge.runtime.black_box import CAN_LOG
 from firmware_bridge.units import QUADCOUNTS_PER_LINE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from emulators.canopen.saved_parameters import Storage
     from emulators.control.live import Live
     from emulators.servo.axis import ServoAxis
     from emulators.servo.motor import DcMotor
+    from firmware_bridge.robot import AnyRobot
 
 DEFAULT_BIT_RATE: Final = 1_000_000
 
@@ -44,6 +45,7 @@ class BusOptions:
     parameters: ParametersOption = None
     record: RecordOption = None
     control: ControlOption = "unix"
+    fault: FaultOption = None
     duration: DurationOption = None
 
 
@@ -92,11 +94,11 @@ def on_bus(given: BusOptions, fitted: Fitted) -> Emulation:
     cluster = Cluster(devices, bank)
 
     def live() -> "Live":
-        from emulators.control.alone import alone, stand_in
+        from emulators.control.alone import alone
         from emulators.family import Station, Way
 
         stations = {name: Station(one, CAN, {CAN: Way.BUS}) for name, one in devices.items()}
-        robot = stand_in(("servo_axis", "node"), fitted.product, CAN, dict(zip(devices, nodes, strict=True)))
+        robot = alone_on_bus(fitted.product, dict(zip(devices, nodes, strict=True)))
         return alone(robot, stations, bank.axes, cluster)
 
     outside = Outside(interface=given.interface, channel=given.channel, bit_rate=given.bit_rate)
@@ -108,3 +110,10 @@ def on_bus(given: BusOptions, fitted: Fitted) -> Emulation:
         around=lambda node: RollCalled(node, places),
         live=live,
     )
+
+
+def alone_on_bus(product: str, nodes: "Mapping[str, int]") -> "AnyRobot":
+    """Return a stand-in for the robot of drives, with their nodes by name."""
+    from emulators.control.alone import stand_in
+
+    return stand_in(("servo_axis", "node"), product, CAN, nodes)

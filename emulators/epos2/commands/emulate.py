@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from emulators.cli.emulation import Emulation, emulating
-from emulators.cli.options import ControlOption, LatencyOption, ParametersOption, plant_file
+from emulators.cli.options import ControlOption, FaultOption, LatencyOption, ParametersOption, plant_file
 from emulators.epos2.commands.options import ProfileOption, find_profile
 from emulators.epos2.objects.device_profile import BAUDS, BIT_RATES, DeviceProfile, realistic
 from emulators.servo.motor import MOTOR, SUPPLY_MV
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from emulators.gateway import Cluster
     from emulators.servo.bank import ServoBank
     from firmware_bridge.canopen.address import Address
+    from firmware_bridge.robot import AnyRobot
 
 EXAMPLES: Final = """Examples:
 
@@ -187,6 +188,7 @@ class DrivesOptions(Outside):
     ] = None
     record: RecordOption = None
     control: ControlOption = "unix"
+    fault: FaultOption = None
     duration: DurationOption = None
 
 
@@ -259,12 +261,19 @@ def start(given: DrivesOptions) -> Emulation:
 
 
 def _live(order: "DrivesOrder", made: "Mapping[str, Epos2]", bank: "ServoBank", cluster: "Cluster") -> "Live":
-    from emulators.control.alone import alone, stand_in
+    from emulators.control.alone import alone
     from emulators.family import Station, Way
 
     stations = {name: Station(drive, CAN, {CAN: Way.BUS}) for name, drive in made.items()}
-    robot = stand_in(("rars", "node"), "epos2", CAN, dict(zip(order.names, order.nodes, strict=True)))
+    robot = alone_on_bus(dict(zip(order.names, order.nodes, strict=True)))
     return alone(robot, stations, bank.axes, cluster, bank.plant)
+
+
+def alone_on_bus(nodes: "Mapping[str, int]") -> "AnyRobot":
+    """Return a stand-in for the robot of drives, with their nodes by name."""
+    from emulators.control.alone import stand_in
+
+    return stand_in(("rars", "node"), "epos2", CAN, nodes)
 
 
 def _axes(plant: Path | None, count: int) -> tuple[str, ...]:

@@ -252,7 +252,7 @@ def test_an_fmu_without_axes_for_a_shield_is_refused() -> None:
         (("--firmware", "mw", "--axes", "a,b"), "name one by --plant"),
         (
             ("--firmware", "mw", "--fault", "rust"),
-            "--fault rust: there is no such fault; there are: current_limit",
+            "--fault rust: no such fault as 'rust'; there are: encoder_swapped, board_silent",
         ),
         (("--firmware", "mw", "--serial", "/dev/null", "--reset-on-open"), "only --serial pty needs it"),
         (("--firmware", "mw", "--serial-link", "/"), "cannot make the link /"),

@@ -1,14 +1,11 @@
 """Faults of a board, by their names: their effect on its motors, and on its output."""
 
-import re
-from dataclasses import replace
 from math import log
 
 import pytest
-from typer.testing import CliRunner
 
 from emulators.arduino_omni.board import FIRMWARES, Board
-from emulators.arduino_omni.faults import FAULTS, SAGGED_V, FaultyBoard, Planned, planned
+from emulators.arduino_omni.commands.board import BOARD, alone_on_line
 from emulators.arduino_omni.mega.motor_library import pre_scale
 from emulators.arduino_omni.motors import MOTOR, SUPPLY_V, four_motors
 from emulators.arduino_omni.shield.tb6612 import (
@@ -19,16 +16,21 @@ from emulators.arduino_omni.shield.tb6612 import (
     SHUTDOWN_C,
     WARMS_IN_S,
 )
-from emulators.bench.faults import kinds
+from emulators.arduino_omni.shield_motors import ShieldMotor
+from emulators.control.alone import alone
+from emulators.control.words import fault_of, plan, planned
+from emulators.family import Station, Way
+from emulators.gateway import Cluster
 from emulators.servo.axis import TICK
 from emulators.servo.motor import DcMotor
-from firmware_bridge.cli import program
 from firmware_bridge.node import LINE_BACK, LINE_LOST, SERIAL
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, to_seconds
+from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 from fmu.errors import PlantError
 
 READY = 2.0
+SAGGED_V = 2.0
+"""Below the need of the half bridges."""
 STUCK = DcMotor(MOTOR.resistance, MOTOR.inductance, MOTOR.torque_constant, inertia=1e3, friction=0.0)
 STALL = SUPPLY_V * 4080 / 4096 / (MOTOR.resistance + ON_RESISTANCE)
 
@@ -38,7 +40,13 @@ class Host:
 
     def __init__(self, *faults: str, motor: DcMotor = MOTOR, auto_stop: int = 30_000) -> None:
         self.board = Board(FIRMWARES["ros-arduino-bridge"], four_motors(motor), auto_stop=auto_stop)
-        self.node = FaultyBoard(self.board, map(planned, faults))
+        self.node = Cluster({BOARD: self.board}, links={BOARD: {SERIAL: SERIAL}})
+        names = four_motors().names
+        motors = [ShieldMotor(name, self.board, port) for port, name in enumerate(names, start=1)]
+        stations = {BOARD: Station(self.board, BOARD, {SERIAL: Way.LINE})}
+        live = alone(alone_on_line(names), stations, motors, self.node, on_ptys=True)
+        for text in faults:
+            plan(live, [fault_of(live, planned(text))])
         self.received = b""
         self.lines: list[int] = []
         self.now: Nanoseconds = 0
@@ -119,7 +127,7 @@ def test_a_cable_that_is_off_for_a_while_leaves_its_motor_alone() -> None:
 
 
 def test_with_too_low_a_supply_of_the_motors_the_half_bridges_are_off_and_the_board_lives_on() -> None:
-    it = Host("motor_supply_sag@3-4")
+    it = Host(f"motor_supply_sag,to_v={SAGGED_V}@3-4")
     it.ask(b"o 100 -100 0\r", 0.9)
     before = it.board.motors.speeds[0]
     assert it.ask(b"b\r", 0.5) == b"57600\r\n"
@@ -132,7 +140,13 @@ def test_with_too_low_a_supply_of_the_motors_the_half_bridges_are_off_and_the_bo
 
 def test_nothing_is_lifted_where_the_plant_has_no_floor() -> None:
     with pytest.raises(PlantError, match="no input lifted_M2: nothing can hoist it"):
-        Host("load_lifted,node=2@1")
+        Host("load_lifted,node=M2@1")
+
+
+@pytest.mark.parametrize("fault", ["encoder_cable_off", "encoder_swapped"])
+def test_a_motor_without_an_encoder_has_no_fault_of_one(fault: str) -> None:
+    with pytest.raises(PlantError, match="M4 has no encoder"):
+        Host(f"{fault},node=M4@1")
 
 
 def test_a_shaft_that_is_blocked_for_a_while_stands_and_draws_a_stalls_current() -> None:
@@ -146,7 +160,7 @@ def test_a_shaft_that_is_blocked_for_a_while_stands_and_draws_a_stalls_current()
 
 
 def test_a_firmware_that_hangs_runs_on_and_sends_nothing_until_it_is_reset() -> None:
-    it = Host("board_hangs@3-4")
+    it = Host("board_hangs@3", "board_reset@4")
     it.ask(b"o 100 0 0\r", 1.2)
     speed = it.board.motors.speeds[0]
     assert it.ask(b"m 0 0 0\r", 0.6) == b""
@@ -191,67 +205,6 @@ def test_without_power_the_shield_forgets_and_the_motor_coasts() -> None:
     assert it.ask(b"b\r") == b"57600\r\n"
 
 
-@pytest.mark.parametrize(
-    ("text", "fault", "motor", "begins", "ends"),
-    [
-        ("board_brown_out", "board_brown_out", 0, 0, NEVER),
-        ("motor_cable_off,node=M4@0", "motor_cable_off", 3, 0, NEVER),
-        ("encoder_cable_off,node=3@1.5", "encoder_cable_off", 2, 1500 * MILLISECOND, NEVER),
-        ("board_unpowered@2-2.25", "board_unpowered", 0, 2 * SECOND, 2250 * MILLISECOND),
-    ],
-)
-def test_a_fault_is_written_with_its_time(
-    text: str, fault: str, motor: int, begins: Nanoseconds, ends: Nanoseconds
-) -> None:
-    assert planned(text) == Planned(FAULTS[fault], motor, begins, ends)
-
-
-@pytest.mark.parametrize(
-    ("text", "instead"),
-    [
-        ("encoder-1@20-30", "encoder_cable_off,node=M1@20-30"),
-        ("cable-4", "motor_cable_off,node=M4"),
-        ("channels-2@1", "encoder_swapped,node=M2@1"),
-        ("brown-out@5", "board_brown_out@5"),
-        ("hangs", "board_hangs"),
-    ],
-)
-def test_what_was_called_otherwise_before_is_understood_and_named(text: str, instead: str) -> None:
-    now, before = planned(instead), planned(text)
-    assert (before.instead, now.instead) == (instead, "")
-    assert replace(before, instead="") == now
-
-
-@pytest.mark.parametrize(
-    ("text", "reported"),
-    [
-        ("motor_cable_of", "there is no such fault; perhaps 'motor_cable_off'?"),
-        ("nothing", "there is no such fault; there are: current_limit, "),
-        ("encoder_cable_off", "encoder_cable_off needs node: M1, M2 or M3"),
-        ("encoder_cable_off,node=M4", "there is no node 'M4'; encoder_cable_off needs node: M1, M2 or M3"),
-        ("motor_cable_off,nod=M4", "motor_cable_off knows no key 'nod'; there is: node"),
-        ("board_hangs,node=M4", "board_hangs knows no key 'node'; there is: none"),
-        (
-            "board_brown_out@soon",
-            "'soon' is no time; write board_brown_out@5, or ",
-        ),
-        ("board_brown_out@nan", "is no time"),
-        ("board_brown_out@1e400", "is no time"),
-        ("board_brown_out@3-3", "it ends before it begins"),
-        ("board_brown_out@-3", "is no time"),
-    ],
-)
-def test_what_is_no_fault_is_reported(text: str, reported: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(reported)):
-        planned(text)
-
-
-def test_a_board_has_the_faults_of_a_mission_and_no_other_names() -> None:
-    assert [name for name in FAULTS if name not in kinds()] == []
-    needed = {name for name in FAULTS if kinds()[name].fault.model_fields.get("node") is not None}
-    assert needed == {name for name, row in FAULTS.items() if row.nodes}
-
-
 def test_a_cable_that_is_out_carries_nothing_and_the_sketch_lives_on() -> None:
     it = Host("serial_unplugged@3-4")
     it.ask(b"o 100 0 0\r", 0.5)
@@ -282,10 +235,3 @@ def test_a_cable_that_is_out_carries_nothing_and_the_sketch_lives_on() -> None:
 )
 def test_the_shields_frequency_is_divided_in_floats(hertz: int, written: int) -> None:
     assert pre_scale(hertz) == written
-
-
-def test_the_help_names_every_fault() -> None:
-    text = " ".join(CliRunner().invoke(program, ["emulate", "board", "--help"]).output.split()).replace(
-        "│ ", ""
-    )
-    assert [name for name in FAULTS if name not in text] == []

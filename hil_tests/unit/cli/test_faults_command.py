@@ -3,7 +3,6 @@
 import pytest
 from typer.testing import CliRunner
 
-from emulators.arduino_omni.faults import FAULTS, planned
 from emulators.bench.faults import kinds
 from emulators.bench.faults.failures import failures_of
 from firmware_bridge.cli import program
@@ -53,14 +52,13 @@ def test_a_robot_that_is_none_is_refused() -> None:
     assert "no such robot; perhaps 'rome'" in complained
 
 
-def test_of_a_device_it_lists_those_that_it_can_have() -> None:
+def test_of_a_device_it_lists_those_that_emulate_can_put_on_it_alone() -> None:
     _, board, _ = listed("board")
-    assert [row[0] for row in board] == list(FAULTS)
-    assert {row[1] for row in board if row[0] == "encoder_cable_off"} == {"M1, M2, M3"}
-    for fault, nodes, keys, *_ in board:
-        text = f"{fault},node={nodes.partition(',')[0]}" if nodes else fault
-        assert (planned(text).fault.name, keys) == (fault, "node" if nodes else ""), "what --fault takes"
-    _, drive, _ = listed("epos2")
-    names = {row[0] for row in drive}
-    assert {"drive_restart", "encoder_cut", "supply_sag", "node_silent"} <= names
-    assert not names & {"board_hangs", "motor_cable_off", "datagram_loss", "bridge_ends"}
+    where = {row[0]: row[1] for row in board}
+    assert where["motor_cable_off"] == "M1, M2, M3, M4"
+    assert {"board_hangs", "i2c_stuck", "line_garbage", "serial_unplugged"} <= set(where)
+    assert not set(where) & {"datagram_loss", "bridge_ends", "bus_off"}
+    for device in ("epos2", "cia402"):
+        names = {row[0] for row in listed(device)[1]}
+        assert {"drive_restart", "encoder_cut", "supply_sag", "node_silent"} <= names
+        assert not names & {"board_hangs", "motor_cable_off", "datagram_loss", "bridge_ends", "bus_off"}

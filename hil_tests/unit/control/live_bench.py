@@ -33,8 +33,8 @@ class LiveBench:
         }
         self.reports: Final[list[str]] = []
         self.cluster: Final = Cluster(members, emulated.physics, links=links)
-        live = on_real_links(robot, emulated, self.cluster, emulated.plant)
-        self.desk: Final = Desk(self.cluster, live, self.reports.append)
+        self.live: Final = on_real_links(robot, emulated, self.cluster, emulated.plant)
+        self.desk: Final = Desk(self.cluster, self.live, self.reports.append)
         self.now: Nanoseconds = 0
         self.sent: Final[list[tuple[Nanoseconds, Packet]]] = []
         self._wake_at: Nanoseconds = 0
