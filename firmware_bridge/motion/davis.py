@@ -21,6 +21,8 @@ class DavisBase(Table):
     pinion_diameter_m: Positive
     half_support_width_m: Positive
     centre_of_gravity_height_m: Positive
+    centre_offset_m: Positive = 0.220
+    """Rear axle to centre of mass: 0.220 by Tab. 3.1, 0.141 by 2.3.1 of the thesis."""
 
     @property
     def davis_b_m(self) -> float:

@@ -251,6 +251,7 @@ ROBOT_FILE: Final[Mapping[str, tuple[str, float]]] = {
     "geometry.base.davis_h_m": ("davis_h", 1.0),
     "geometry.base.pinion_diameter_m": ("pinion_diameter", 1.0),
     "geometry.base.centre_of_gravity_height_m": ("cg_height", 1.0),
+    "geometry.base.centre_offset_m": ("centre_offset", 1.0),
     "axes.left.ratio": ("gear_left", 1.0),
     "axes.right.ratio": ("gear_right", 1.0),
     "axes.steer.ratio": ("gear_steer", 1.0),

@@ -32,6 +32,7 @@ THEIR_OWN: Final = (
     "fmu/parts/",
     "fmu/climber/",
     "fmu/rars/",
+    "fmu/rars_tipping/",
     "fmu/rome_arm/",
     "fmu/rome_base/",
     "fmu/single_axis/",

@@ -19,6 +19,7 @@ SOURCES = {
     "ar2": "[A]",
     "climber": "[C]",
     "rars": "[R]",
+    "rars_tipping": "[R]",
     "rome_arm": "[A]",
     "rome_base": "[O]",
     "single_axis": "assumed",

@@ -29,6 +29,7 @@ MACHINE: Final = {
     *(f"geometry.base.{key}" for key in ("wheel_radius_m", "wheel_distance_m", "track_m", "rear_track_m")),
     *(f"geometry.base.{key}" for key in ("wheelbase_m", "kingpin_distance_m", "davis_h_m", "crown_radius_m")),
     *(f"geometry.base.{key}" for key in ("pinion_diameter_m", "centre_of_gravity_height_m")),
+    "geometry.base.centre_offset_m",
     *(f"geometry.base.base.{key}" for key in ("wheel_radius_m", "wheel_distance_m")),
     *(f"geometry.lift.{key}" for key in ("stages", "link_length_m", "screw_pitch_m")),
     *(f"geometry.lift.{key}" for key in ("collapsed_angle_deg", "extended_angle_deg")),

@@ -1,0 +1,1 @@
+"""RARS that can tip over: its centre of mass, its wheels' loads, and its rotation about an edge."""
