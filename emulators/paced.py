@@ -59,7 +59,7 @@ class PacedRig:
     ) -> None:
         """Take the rig, its last instant, its operator where that is outside, and what shows the progress."""
         self._rig: Final = rig
-        self._end: Final = end
+        self._end = end
         self._operator: Final = operator
         self._progress: Final = progress
         self.factor = 1.0
@@ -79,6 +79,10 @@ class PacedRig:
         """Pause, and let so much time pass."""
         self._rig.run(min(self._rig.world.now + by, self._end))
         self.paces(now, paused=True)
+
+    def ends_at(self, end: Nanoseconds) -> None:
+        """Carry it up to this instant of its world."""
+        self._end = end
 
     @property
     def finished(self) -> bool:

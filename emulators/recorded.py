@@ -3,14 +3,18 @@
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import IO, Final, TypeAlias
+from typing import IO, TYPE_CHECKING, Final, TypeAlias
 
 from emulators.rig import BRIDGE, Rig
 from emulators.wires import DatagramWire, FaultyCanWire, SerialWire
 from emulators.wires.ends import Observer
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import Direction, candump_line, chunk_line, tlog_records
+from firmware_bridge.runtime.can_files import OF_FRAMES
 from firmware_bridge.units import Nanoseconds
+
+if TYPE_CHECKING:
+    from firmware_bridge.runtime.can_file_writer import CanFileWriter
 
 FRAMES, CHUNKS, SIGHTS, WORDS = "can.log", "serial.log", "capture.log", "operator.tlog"
 """The files' names in a run's folder: of buses, serial lines, cameras and the operator."""
@@ -45,6 +49,34 @@ def recorded(rig: Rig, folder: Path) -> Iterator[None]:
         for wire, observer in recorded_wires(rig, files):
             wire.observe(observer)
         yield
+
+
+@contextmanager
+def frames_recorded(rig: Rig, path: Path | None) -> Iterator[None]:
+    """Write the frames of all buses while this is open into a file of another tool, where it is named so.
+
+    OSError where it cannot be written.
+    """
+    if path is None or path.suffix.lower() not in OF_FRAMES:
+        yield
+        return
+    # 0.1 s for python-can, which no other run needs.
+    from firmware_bridge.runtime.can_file_writer import CanFileWriter  # noqa: PLC0415 - see above
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("wb") as file:
+        writer = CanFileWriter(file, path, tuple(rig.can_wires))
+        for link, wire in rig.can_wires.items():
+            wire.observe(_frames_written(writer, link))
+        yield
+        writer.finish()
+
+
+def _frames_written(writer: "CanFileWriter", link: str) -> Observer:
+    def note(now: Nanoseconds, sender: str, packet: Packet) -> None:
+        writer.frame(now, link, packet, sent=sender == BRIDGE)
+
+    return note
 
 
 def _frames_noted(frames: IO[bytes], channel: str) -> Observer:

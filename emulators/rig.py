@@ -95,7 +95,9 @@ class Rig:
         self.world: Final = World(self.devices.physics)
         self.lines: Final[dict[str, Line]] = {}
         """The serial lines by the links' names."""
-        self._attach(operator if link == GOOD else _far(operator, link, seed))
+        self._link: Final = link
+        self._seed: Final = seed
+        self._attach(_far(operator, link, seed))
         self._site: Final = self._as_site()
         self.faults: Final = Faults(self._site, seed)
         self._injected: Final = InjectedFaults(robot, self.faults) if injects else None
@@ -205,6 +207,12 @@ class Rig:
                 node = line.adapter
         return node
 
+    def hand_over_to(self, operator: Node) -> None:
+        """Let another operator sit at the station from now on."""
+        self.world.detach(OPERATOR_STATION)
+        far = _far(operator, self._link, self._seed)
+        self.world.attach(OPERATOR_STATION, far, {OPERATOR: self.operator_wire})
+
     def _attach_bridge(self, node: Node) -> None:
         lines = {name: line.wire for name, line in self.lines.items()}
         wires: dict[str, Wire] = {**self.can_wires, **lines, **self.datagram_wires}
@@ -242,7 +250,9 @@ class Rig:
 
 
 def _far(operator: Node, link: Conditions, seed: int) -> Node:
-    """Return the operator behind a slow link."""
+    """Return the operator behind a slow link; as he is, where the link is good."""
+    if link == GOOD:
+        return operator
     up, down = (np.random.default_rng([seed, DIRECTIONS_STREAM, direction]) for direction in range(2))
     return before_operator(operator, OPERATOR, link, up, down)
 

@@ -52,11 +52,11 @@ class Unrecorded:
 
 @contextmanager
 def in_mcap(path: Path | None, about: Mapping[str, str]) -> Iterator[Unrecorded]:
-    """Write a run into this file while it is open, or nowhere; `about` is the file's metadata.
+    """Write a run into this file while it is open, or nowhere where it is none; `about` is its metadata.
 
     ExtraMissingError; OSError where it cannot be written.
     """
-    if path is None:
+    if path is None or path.suffix.lower() != channels.SUFFIX:
         yield Unrecorded()
         return
     with from_extras():

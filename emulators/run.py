@@ -18,7 +18,7 @@ from emulators.bench.path_error import Followed, path_error
 from emulators.bench.piloted import HandedOver, PilotedMission
 from emulators.bench.radial_error import radial_error
 from emulators.bench.summary import RunFigures, Summary, as_json, summarize
-from emulators.recorded import recorded
+from emulators.recorded import frames_recorded, recorded
 from emulators.rig import Rig
 from emulators.rig_mcap import Unrecorded, in_mcap
 from firmware_bridge import renamed
@@ -55,7 +55,7 @@ class RunOrder:
     operator: Node | None = None
     """Operator in place of the mission's; with it stations may inject failures of the devices."""
     record: Path | None = None
-    """File in MCAP, beside the folder."""
+    """File in MCAP, or of CAN frames for another tool, beside the folder."""
 
     @property
     def duration(self) -> Nanoseconds:
@@ -99,7 +99,7 @@ def _driven(order: RunOrder, progress: Progress, carry: Carry, mcap: Unrecorded)
     )
     mcap.observe(rig)
     begun = time.perf_counter()
-    with recorded(rig, order.folder):
+    with recorded(rig, order.folder), frames_recorded(rig, order.record):
         carry(rig, order.duration, progress)
     # Of the run alone: pictures and files come behind.
     wall_s, reached = time.perf_counter() - begun, rig.world.now

@@ -33,9 +33,18 @@ class ScriptedOperator:
     """One operator with a ground station, system 255; `diary` records the course of the mission."""
 
     def __init__(
-        self, robot: AnyRobot, bench_setup: BenchSetup, mission: Mission, generator: np.random.Generator
+        self,
+        robot: AnyRobot,
+        bench_setup: BenchSetup,
+        mission: Mission,
+        generator: np.random.Generator,
+        *,
+        begins: Nanoseconds = 0,
     ) -> None:
-        """Take the mission in hand; `generator` is drawn from only where the mission has a tremor."""
+        """Take the mission in hand, whose steps count from `begins`.
+
+        `generator` is drawn from only where the mission has a tremor.
+        """
         self.diary = Diary()
         self.clock_ahead: Nanoseconds = 0
         """The station's own clock, less the world's."""
@@ -50,10 +59,11 @@ class ScriptedOperator:
         self._pending: list[orders.Pending] = []
         self._titles: dict[int, str] = {}
         self._step = 0
+        self._begins: Final = begins
         self._step_at = self._due_of_step()
         self._silent_until: Nanoseconds = 0
-        self._beat_due: Nanoseconds = 0
-        self._send_due: Nanoseconds = 0
+        self._beat_due: Nanoseconds = begins
+        self._send_due: Nanoseconds = begins
         self._greetings: list[Message] = []
         self._answers: list[Message] = []
         self._received: Final[dict[int, Reader]] = {
@@ -104,7 +114,7 @@ class ScriptedOperator:
 
     def _due_of_step(self) -> Nanoseconds:
         steps = self._mission.step
-        return from_seconds(steps[self._step].at_s) if self._step < len(steps) else NEVER
+        return self._begins + from_seconds(steps[self._step].at_s) if self._step < len(steps) else NEVER
 
     def _wake_at(self) -> Nanoseconds:
         due = min(self._beat_due, self._send_due)

@@ -21,6 +21,7 @@ from firmware_bridge.cli.options import (
     RobotArgument,
     SlowLinkOption,
 )
+from firmware_bridge.cli.plot_option import PlotOption
 
 if TYPE_CHECKING:
     from emulators.bench.bench_setup import BenchSetup
@@ -135,6 +136,7 @@ class BenchOptions:
             "faults, pauses, rewinds and drives; its address is printed.",
         ),
     ] = False
+    plotjuggler: PlotOption = None
     duration: Annotated[
         float | None,
         typer.Option(
@@ -157,6 +159,7 @@ def run(given: BenchOptions) -> None:
     from emulators.run import RunOrder
     from emulators.servo.bank import ServoError
     from firmware_bridge.bridge.bridge import FAILED as NOT_STARTED
+    from firmware_bridge.cli.recorded import with_bus
     from firmware_bridge.cli.robot_argument import find_robot
     from firmware_bridge.cli.tables import terminal
     from firmware_bridge.drivers.link_drivers import PlanError
@@ -164,6 +167,7 @@ def run(given: BenchOptions) -> None:
     from firmware_bridge.pilot.paths import PathError
     from firmware_bridge.robot import RobotFileError
     from firmware_bridge.robot.path_file import PathFileError
+    from firmware_bridge.robot.table import Medium
     from firmware_bridge.slow_link.conditions import ConditionsError
     from fmu.errors import PlantError
 
@@ -179,6 +183,9 @@ def run(given: BenchOptions) -> None:
         machine, along = fitted(find_robot(given.robot), given)
         bench_setup = bench_setup_of(machine)
         name, script = _script(given, along, machine, bench_setup)
+        if record is not None:
+            has_bus = any(link.medium is Medium.CAN for link in machine.links.values())
+            with_bus(record, has_bus=has_bus, instead="a name that ends in .mcap")
         script = script.over(given.link, given.max_delay)
         script = script.predicted() if given.predictor else script
         # Only to check it: what is wrong is reported before the plant is built.

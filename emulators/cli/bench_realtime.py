@@ -42,6 +42,10 @@ class RealTimeOptions(Protocol):
         """True with a page for a browser."""
 
     @property
+    def plotjuggler(self) -> str | None:
+        """Place of a plotter."""
+
+    @property
     def duration(self) -> float | None:
         """Time in s after which a run with stations ends."""
 
@@ -50,7 +54,7 @@ def check(given: RealTimeOptions) -> None:
     """End the program where an option needs another one, or others could drive the robot."""
     from firmware_bridge.cli.trusted import trust_of
 
-    stray = [name for name in ("control", "mavlink", "live") if getattr(given, name)]
+    stray = [name for name in ("control", "mavlink", "live", "plotjuggler") if getattr(given, name)]
     if not given.realtime and stray:
         raise refusal(f"--{stray[0]} needs --realtime: virtual time waits for no one")
     if given.duration is not None and given.mavlink is None:
@@ -71,14 +75,15 @@ def in_real_time(given: RealTimeOptions, order: "RunOrder", title: str) -> "Carr
         from emulators.cli.emulation import NONE, UNIX, control_port
         from emulators.control.desk import CONTROL, Desk
         from emulators.control.live import Live
+        from emulators.live.plot_values import of_rig
         from emulators.paced import OutsideOperator, PacedRig
         from firmware_bridge.cli.live_page import page_port
+        from firmware_bridge.cli.plot_option import plotted
         from firmware_bridge.cli.real_time import carry
         from firmware_bridge.node import OPERATOR, Node
         from firmware_bridge.runtime.clock import LivedClock
         from firmware_bridge.runtime.ports import UdpPort
 
-        driven_by = order.operator
         operator = order.operator if isinstance(order.operator, OutsideOperator) else None
         link, place, clock = given.mavlink, given.control or UNIX, LivedClock()
         reports: list[Callable[[str], None]] = [say]
@@ -100,9 +105,10 @@ def in_real_time(given: RealTimeOptions, order: "RunOrder", title: str) -> "Carr
             from emulators.live.bench import LiveBench
             from firmware_bridge.live.messages import LIVE
 
-            node = page = LiveBench(rig, paced, desk, title, driven_by)
+            node = page = LiveBench(rig, paced, desk, order)
             reports.append(page.report)
             openers[LIVE] = page_port
+        node = plotted(node, given.plotjuggler, openers, of_rig(rig))
         stations = "" if link is None else f", operator on {link}"
         carry(node, openers, NEVER, f"{title} in real time{stations}", clock=clock)
 

@@ -9,6 +9,7 @@ from emulators.cli import emulation
 from emulators.cli.emulation import Emulation, emulating
 from emulators.cli.options import ControlOption, FaultOption, LatencyOption, ParametersOption, PlantOption
 from firmware_bridge.cli.console import one_message, refusal
+from firmware_bridge.cli.live_page import LiveOption
 from firmware_bridge.cli.options import (
     DurationOption,
     EncodersOption,
@@ -17,6 +18,7 @@ from firmware_bridge.cli.options import (
     RobotBitRateOption,
 )
 from firmware_bridge.cli.outside import Outside
+from firmware_bridge.cli.plot_option import PlotOption
 from firmware_bridge.cli.recorded import RecordOption
 
 EXAMPLES: Final = """Examples:
@@ -76,7 +78,9 @@ class RobotOptions(Outside):
     link: LinkOption = None
     record: RecordOption = None
     control: ControlOption = "unix"
+    plotjuggler: PlotOption = None
     fault: FaultOption = None
+    live: LiveOption = False
     duration: DurationOption = None
 
 

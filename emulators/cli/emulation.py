@@ -59,6 +59,18 @@ class Emulation:
     """Return its parts, for the control port; None where it has none."""
 
 
+class _Reports:
+    """What reports a text to all who want it."""
+
+    def __init__(self, first: Callable[[str], None]) -> None:
+        self.to: Final = [first]
+
+    def __call__(self, text: str) -> None:
+        """Report it."""
+        for one in self.to:
+            one(text)
+
+
 def run(given: RunOptions, emulation: Emulation) -> None:
     """Run emulated devices in real time; an error ends the program with a message."""
     from firmware_bridge.cli.real_time import carry
@@ -67,17 +79,20 @@ def run(given: RunOptions, emulation: Emulation) -> None:
 
     box = recording(getattr(given, "record", None), emulation.files, called=emulation.called)
     place, faults = getattr(given, "control", NONE), getattr(given, "fault", None) or ()
+    plots, page = getattr(given, "plotjuggler", None), getattr(given, "live", False)
+    needed = faults or plots or page or place != NONE
     with box as (around, report):
+        reports, clock = _Reports(report), LivedClock()
         # Before the ports: a host that has opened one must not wait for it.
-        live = None if emulation.live is None or not (faults or place != NONE) else emulation.live()
+        live = None if emulation.live is None or not needed else emulation.live()
         if live is not None:
-            _planned(live, faults, report)
+            _planned(live, faults, reports)
         with one_message(PortError):
             openers, where = emulation.opened()
         node = emulation.around(around(emulation.node))
-        clock = LivedClock()
-        if live is not None and place != NONE:
-            node, openers = _controlled(node, openers, live, place, (report, clock))
+        node, openers = _plotted(node, openers, live, plots)
+        if live is not None and (page or place != NONE):
+            node, openers = _controlled(node, openers, live, given, (reports, clock))
         carry(
             node,
             openers,
@@ -104,14 +119,38 @@ def _planned(live: "Live", faults: Sequence[str], report: Callable[[str], None])
         live.carrier.call_at(fault.begin, report, beginning(live, fault))
 
 
-def _controlled(
-    node: Node, openers: "Openers", live: "Live", where: str, run: "tuple[Callable[[str], None], LivedClock]"
+def _plotted(
+    node: Node, openers: "Openers", live: "Live | None", place: str | None
 ) -> "tuple[Node, Openers]":
-    """Put the control desk around a node, and its port beside the others; `run` has its report and clock."""
+    """Put what sends the devices' values around a node, and its port beside the others."""
+    from emulators.live.plot_values import of_devices
+    from firmware_bridge.cli.plot_option import plotted
+
+    if live is None or place is None:
+        return node, openers
+    found = dict(openers)
+    return plotted(node, place, found, of_devices(live)), found
+
+
+def _controlled(
+    node: Node, openers: "Openers", live: "Live", given: RunOptions, run: "tuple[_Reports, LivedClock]"
+) -> "tuple[Node, Openers]":
+    """Put the control desk around a node, and the page where that is wanted, with their ports."""
     from emulators.control.desk import CONTROL, Desk
 
-    desk = Desk(node, live, *run)
-    return desk, {**openers, CONTROL: lambda: control_port(where, live.robot.name)}
+    found, where, title = dict(openers), getattr(given, "control", NONE), live.robot.name
+    node = desk = Desk(node, live, *run)
+    if where != NONE:
+        found[CONTROL] = lambda: control_port(where, title)
+    if getattr(given, "live", False):
+        from emulators.live.devices import LiveDevices
+        from firmware_bridge.cli.live_page import page_port
+        from firmware_bridge.live.messages import LIVE
+
+        node = page = LiveDevices(desk, live, getattr(given, "bit_rate", None))
+        run[0].to.append(page.report)
+        found[LIVE] = page_port
+    return node, found
 
 
 def control_port(where: str, title: str) -> "ControlSocket":

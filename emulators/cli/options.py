@@ -8,6 +8,7 @@ import typer
 from firmware_bridge.cli.console import refusal, say
 from firmware_bridge.extras import installed, remedy_of
 from firmware_bridge.mcap_file.channels import SUFFIX
+from firmware_bridge.runtime.can_files import SUFFIXES
 
 PlantOption = Annotated[
     Path | None,
@@ -22,8 +23,9 @@ RunFileOption = Annotated[
     Path | None,
     typer.Option(
         "--record",
-        metavar="FILE.mcap",
-        help="Record the run in this file, too, for Foxglove or PlotJuggler; one seed gives one file.",
+        metavar="FILE",
+        help="Record the run in this file, too; one seed gives one file. A name that ends in .mcap is for "
+        "Foxglove or PlotJuggler; in .asc, .blf or .trc, of CAN frames, for the tools of Vector and PEAK.",
         show_default=False,
     ),
 ]
@@ -72,12 +74,13 @@ LatencyOption = Annotated[
 
 
 def run_file(path: Path | None) -> Path | None:
-    """Return the file of a run in MCAP; another name, or a missing extra, ends the program with a message."""
+    """Return the file of a run; another name, or a missing extra, ends the program with a message."""
     if path is None:
         return None
-    if path.suffix.lower() != SUFFIX:
-        raise refusal(f"--record {path}: name a file that ends in {SUFFIX}; --out names the results' folder")
-    if not installed("mcap"):
+    if path.suffix.lower() not in SUFFIXES:
+        known = f"{', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}"
+        raise refusal(f"--record {path}: name a file that ends in {known}; --out names the results' folder")
+    if path.suffix.lower() == SUFFIX and not installed("mcap"):
         raise refusal(remedy_of("mcap"))
     return path
 

@@ -1,27 +1,29 @@
 """Introduction of a bench to the live page: its robot, the faults that it can have, what may be requested."""
 
 import typing
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from enum import Enum
 from types import NoneType
 from typing import Any, Final
 
 from pydantic.fields import FieldInfo
 
-from emulators.bench.faults import kinds
+from emulators.bench.faults import Fault, kinds
 from emulators.bench.faults.failures import failures_of
 from emulators.bench.faults.kind import FaultKind
 from firmware_bridge.live.messages import VERSION
 from firmware_bridge.live.state import Json, axes_of
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import robot_type_of
 
 LEFT_OUT: Final = frozenset({"at_s", "title", "until_s"})
 """Keys of a fault that the page has no use for: it begins now, and has a duration."""
 _NUMBERS: Final = frozenset({int, float})
 
 
-def hello(title: str, robot: AnyRobot, requests: Sequence[str]) -> Json:
-    """Return the page's first message."""
+def hello(title: str, robot: AnyRobot, requests: Sequence[str], missions: Sequence[str]) -> Json:
+    """Return the page's first message, with the missions that it can start."""
+    rows = robot_type_of(robot).station
     return {
         "kind": "hello",
         "version": VERSION,
@@ -31,14 +33,22 @@ def hello(title: str, robot: AnyRobot, requests: Sequence[str]) -> Json:
         "outline": [],
         "faults": list(faults(robot)),
         "can": list(requests),
+        "missions": list(missions),
+        "wheel": rows.helm,
+        "up": rows.up_button is not None,
+        "buttons": [
+            {"title": one.name, "bit": one.button} for one in rows.switches if one.button is not None
+        ],
     }
 
 
-def faults(robot: AnyRobot) -> Iterator[Json]:
-    """Yield every kind of fault that a robot can have, with its keys."""
+def faults(robot: AnyRobot, out_of_reach: Callable[[Fault], str] = lambda _: "") -> Iterator[Json]:
+    """Yield every kind of fault that a robot can have, with its keys, but for what is out of reach."""
     tried: dict[str, dict[str, Any]] = {}
     for failure in failures_of(robot):
-        tried.setdefault(failure.kind, dict(failure.keys))
+        fault = kinds()[failure.kind].fault.model_validate({"at_s": 0.0, **failure.keys})
+        if not out_of_reach(fault):
+            tried.setdefault(failure.kind, dict(failure.keys))
     for kind in kinds().values():
         if kind.name in tried:
             yield {

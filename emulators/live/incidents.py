@@ -6,6 +6,7 @@ from emulators.rig import Rig
 from emulators.wires.ends import Observer
 from firmware_bridge.dissector.expected import can_links, expected_on
 from firmware_bridge.explain.explainer import BusExplainer, Setup
+from firmware_bridge.live.bus import incidents
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds, to_seconds
 
@@ -36,21 +37,11 @@ class LiveIncidents:
     @property
     def found(self) -> list[dict[str, Any]]:
         """All of them, as the page shows them."""
-        new = [
-            {
-                "at_s": to_seconds(one.at),
-                "title": f"{one.where}: {one.what}",
-                "causes": list(one.causes),
-                "check": one.check,
-            }
-            for bus in self._buses
-            for one in bus.state.incidents.found
-        ]
-        return [*self._before, *sorted(new, key=lambda one: float(str(one["at_s"])))]
+        return [*self._before, *incidents(one for bus in self._buses for one in bus.found)]
 
     def news(self) -> list[dict[str, Any]] | None:
         """Return all of them where there are more, or fewer, than at the last call; else None."""
-        count = len(self._before) + sum(len(bus.state.incidents.found) for bus in self._buses)
+        count = len(self._before) + sum(len(bus.found) for bus in self._buses)
         if count == self._count:
             return None
         self._count = count

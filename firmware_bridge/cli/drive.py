@@ -1,6 +1,5 @@
 """`drive`: the bridge on a real bus."""
 
-import signal
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -11,7 +10,7 @@ import typer
 
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import one_message, refusal, say
-from firmware_bridge.cli.live_page import LiveOption, page_port
+from firmware_bridge.cli.live_page import LiveOption, end_in_order, page_port
 from firmware_bridge.cli.options import (
     ChannelOption,
     DurationOption,
@@ -27,6 +26,7 @@ from firmware_bridge.cli.options import (
     ZeroOption,
     until,
 )
+from firmware_bridge.cli.plot_option import PlotOption, plotted
 from firmware_bridge.cli.recorded import RecordOption, recording
 from firmware_bridge.node import OPERATOR, Node
 from firmware_bridge.runtime.black_box import CAN_LOG, CAPTURE_LOG, OPERATOR_LOG, SERIAL_LOG, Texts
@@ -185,6 +185,7 @@ class DriveOptions:
     ] = None
     record: RecordOption = None
     live: LiveOption = False
+    plotjuggler: PlotOption = None
     duration: DurationOption = None
 
 
@@ -251,9 +252,7 @@ def run(given: DriveOptions) -> None:
         known = known_places(places_before) | run_file(AsRun(machine, confirmed, given.mode or ""))
         watch = BridgeWatch(machine, lambda: bridge)
         with recording(given.record, files, texts_of(), known=known, watch=watch) as (around, show):
-            carried = _far(
-                _on_page(around(node), bridge, machine, openers) if given.live else around(node), slow
-            )
+            carried = _far(_shown(around(node), bridge, machine, openers, given), slow)
             carry(
                 Narrated(bridge, carried, machine, show, kept=kept, stamps=stamps, hints=hints),
                 {**openers, OPERATOR: lambda: UdpPort(given.mavlink)},
@@ -302,6 +301,20 @@ def _links(
     return node, openers, hints
 
 
+def _shown(
+    node: Node,
+    bridge: "Bridge",
+    machine: "AnyRobot",
+    openers: "dict[str, Callable[[], Port]]",
+    given: DriveOptions,
+) -> Node:
+    """Return the bridge with the live page and the plotter that the options name, their ports put beside."""
+    from firmware_bridge.live.plotted import of_bridge
+
+    node = _on_page(node, bridge, machine, openers) if given.live else node
+    return plotted(node, given.plotjuggler, openers, of_bridge(machine, bridge))
+
+
 def _on_page(
     node: Node, bridge: "Bridge", machine: "AnyRobot", openers: "dict[str, Callable[[], Port]]"
 ) -> Node:
@@ -309,12 +322,8 @@ def _on_page(
     from firmware_bridge.live.messages import LIVE
     from firmware_bridge.live.robot import LiveRobot
 
-    def end() -> None:
-        # As Ctrl-C: the runner stops the robot first, then its drives' power.
-        signal.raise_signal(signal.SIGINT)
-
     openers[LIVE] = page_port
-    return LiveRobot(node, bridge, machine, end)
+    return LiveRobot(node, bridge, machine, end_in_order)
 
 
 def _far(node: Node, slow: "Conditions | None") -> Node:

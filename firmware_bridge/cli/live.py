@@ -67,8 +67,8 @@ def incidents(path: Path, name: str) -> list[dict[str, Any]]:
     from firmware_bridge.dissector.expected import can_links, expected_on
     from firmware_bridge.explain.explainer import Setup, explain
     from firmware_bridge.explain.source import UnreadableError, frames
+    from firmware_bridge.live.bus import incidents as shown
     from firmware_bridge.robot_types import find, robots
-    from firmware_bridge.units import to_seconds
 
     expected: list[Expected] = []
     # A robot of the user's own may be known by its name only where it was driven.
@@ -79,15 +79,7 @@ def incidents(path: Path, name: str) -> list[dict[str, Any]]:
         explained = explain(frames(path, lambda _: None), Setup(expected=tuple(expected)), None)
     except UnreadableError:
         return []
-    return [
-        {
-            "at_s": to_seconds(one.at),
-            "title": f"{one.where}: {one.what}",
-            "causes": list(one.causes),
-            "check": one.check,
-        }
-        for one in explained.incidents
-    ]
+    return shown(explained.incidents)
 
 
 live: Final = command(EXAMPLES, work=run)(LiveOptions)

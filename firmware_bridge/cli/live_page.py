@@ -1,5 +1,6 @@
 """The live page at the command line: its port, and its address for the user."""
 
+import signal
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
@@ -29,3 +30,8 @@ def page_port() -> "Port":
     port = LiveSocket()
     say(f"live page: {port.name}")
     return port
+
+
+def end_in_order() -> None:
+    """End the run as Ctrl-C does: the runner stops the node first."""
+    signal.raise_signal(signal.SIGINT)

@@ -21,6 +21,7 @@ from firmware_bridge.cli.bus_options import (
 )
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import refusal, say
+from firmware_bridge.cli.live_page import LiveOption, page_port
 from firmware_bridge.cli.monitor_files import Frame, candump, foreign, numbered, of_one_bus
 from firmware_bridge.cli.options import (
     ChannelOption,
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
 
     from firmware_bridge.cli.monitor_frames import FrameLines
     from firmware_bridge.dissector.bus_picture import BusPicture
+    from firmware_bridge.node import Node
+    from firmware_bridge.runtime.ports import Port
 
 
 EXAMPLES: Final = """Examples:
@@ -121,6 +124,7 @@ class MonitorOptions:
             help="Only frames and events of these nodes, and frames to them: 1, or 1-8, or 1,3.",
         ),
     ] = None
+    live: LiveOption = False
     duration: DurationOption = None
 
 
@@ -172,8 +176,6 @@ class Listening:
 
 def run(given: MonitorOptions) -> None:
     """Run `monitor` with these options; an error ends the program with a message."""
-    from firmware_bridge.recording import is_chunk
-
     if given.ask and given.log is not None:
         raise refusal("--ask: a recording answers no one; leave out --ask or --log")
     if (given.filter_ or given.node) and not (given.lines or given.changes):
@@ -181,23 +183,31 @@ def run(given: MonitorOptions) -> None:
     if given.log is None:
         _live(given, _picture(given))
         return
+    _show_log(given, given.log)
+
+
+def _show_log(given: MonitorOptions, log: Path) -> None:
+    from firmware_bridge.recording import is_chunk
+
     if given.interface is not None or given.duration is not None:
         raise refusal("--log: a recording has no interface and no duration; leave out -i and --duration")
-    if TELEMETRY in given.log.suffixes:
+    if given.live:
+        raise refusal("--live: `firmware-bridge live` plays recordings in MCAP; leave out --live or --log")
+    if TELEMETRY in log.suffixes:
         raise refusal(
-            f"{given.log}: a telemetry log is no bus: `firmware-bridge replay` plays it, and MAVLink's tools "
+            f"{log}: a telemetry log is no bus: `firmware-bridge replay` plays it, and MAVLink's tools "
             "show it (QGroundControl, mavlogdump.py)"
         )
-    if can_files.is_foreign(given.log):
-        _show_frames(given, foreign(given.log))
+    if can_files.is_foreign(log):
+        _show_frames(given, foreign(log))
         return
-    lines = numbered(given.log)
+    lines = numbered(log)
     first = list(islice(lines, 1))
     # The first line decides the format, and is put back before the others.
     if first and is_chunk(first[0][1]):
-        _show_lines(given, given.log, chain(first, lines))
+        _show_lines(given, log, chain(first, lines))
         return
-    _show_frames(given, candump(given.log, chain(first, lines)))
+    _show_frames(given, candump(log, chain(first, lines)))
 
 
 def _show_frames(given: MonitorOptions, frames: Iterator[Frame]) -> None:
@@ -254,6 +264,7 @@ def _live(given: MonitorOptions, picture: "BusPicture") -> None:
     from firmware_bridge.cli.monitor_mappings import MappingReader
     from firmware_bridge.cli.real_time import carry
     from firmware_bridge.cli.tables import terminal
+    from firmware_bridge.live.messages import LIVE
     from firmware_bridge.node import CAN
     from firmware_bridge.runtime.ports import open_can
 
@@ -270,13 +281,30 @@ def _live(given: MonitorOptions, picture: "BusPicture") -> None:
         else:
             stack.callback(_at_the_end, picture)
             node = Listening(picture, lambda texts: _lines(picture, texts), lambda: None)
+        bus: Node = MappingReader(node, picture) if given.ask else node
+        page: dict[str, Callable[[], Port]] = {}
+        if given.live:
+            bus, page = _on_page(bus, picture, given), {LIVE: page_port}
         carry(
-            MappingReader(node, picture) if given.ask else node,
-            {CAN: lambda: open_can(given.interface, given.channel, picture.bit_rate, say=say)},
+            bus,
+            {CAN: lambda: open_can(given.interface, given.channel, picture.bit_rate, say=say), **page},
             until(given.duration),
             f"listening on {given.channel or 'the configured bus'}",
             clock=clock,
         )
+
+
+def _on_page(node: "Node", picture: "BusPicture", given: MonitorOptions) -> "Node":
+    from firmware_bridge.explain.explainer import BusExplainer, Setup
+    from firmware_bridge.live.bus import LiveBus
+    from firmware_bridge.live.monitor import LiveMonitor
+
+    known = stated_bus(given)
+    setup = Setup(
+        bit_rate=known.bit_rate, device=known.device, sheet=known.sheet, expected=tuple(known.expected)
+    )
+    title = given.channel or "the configured bus"
+    return LiveMonitor(node, LiveBus(picture, BusExplainer(setup), title), title)
 
 
 def _draw(shown: "Live", picture: "BusPicture") -> None:

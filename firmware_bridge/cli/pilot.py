@@ -10,6 +10,7 @@ import typer
 
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import one_message, refusal, say
+from firmware_bridge.cli.live_page import LiveOption, end_in_order, page_port
 from firmware_bridge.cli.options import DurationOption, MaxDelayOption, RobotArgument, until
 
 if TYPE_CHECKING:
@@ -117,6 +118,7 @@ class PilotOptions:
         ),
     ] = None
     max_delay: MaxDelayOption = None
+    live: LiveOption = False
     duration: DurationOption = None
 
 
@@ -127,7 +129,7 @@ def run(given: PilotOptions) -> None:
     from firmware_bridge.cli.robot_argument import find_robot
     from firmware_bridge.cli.trusted import key_in
     from firmware_bridge.mavlink.trust import Trust
-    from firmware_bridge.node import OPERATOR
+    from firmware_bridge.node import OPERATOR, Node
     from firmware_bridge.pilot.cockpit import HAND, Cockpit
     from firmware_bridge.pilot.driver import AtHand
     from firmware_bridge.pilot.keyboard import HELP
@@ -159,11 +161,20 @@ def run(given: PilotOptions) -> None:
         trust=remembered.trust,
         requests=PROFILES[given.telemetry],
     )
-    cockpit = Cockpit(station, say, arms=given.arm, rolling=robot_type.kinematics(robot).rolling)
+    rolling = robot_type.kinematics(robot).rolling
+    cockpit = Cockpit(station, say, arms=given.arm, rolling=rolling)
+    node: Node = Remembering(cockpit, remembered, station.stamps, say)
+    page: dict[str, Callable[[], Port]] = {}
+    if given.live:
+        from firmware_bridge.live.messages import LIVE
+        from firmware_bridge.live.pilot import LivePilot
+
+        page = {LIVE: page_port}
+        node = LivePilot(node, station, f"{robot.title}, pilot", rolling, end_in_order)
     keys = f"; {HELP}" if given.keyboard else ""
     carry(
-        Remembering(cockpit, remembered, station.stamps, say),
-        {OPERATOR: partial(UdpPort, given.mavlink), **hand},
+        node,
+        {OPERATOR: partial(UdpPort, given.mavlink), **hand, **page},
         until(given.duration),
         f"{robot.name}: pilot on {given.mavlink}{keys}",
     )

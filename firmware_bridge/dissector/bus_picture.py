@@ -5,7 +5,7 @@ sent. Time is an argument and must not step back.
 """
 
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -168,6 +168,12 @@ class BusPicture:
         if message.read is None:
             message.read = self._read(message.packet)
         return ": ".join(filter(None, message.read))
+
+    def numbers(self, wanted: Collection[Address]) -> Iterator[tuple[int, Address, int]]:
+        """Yield node, object and number of each wanted object in the newest frames, sent by it or to it."""
+        for message in self._messages.values():
+            if message.kind == PDO:
+                yield from self._reader.numbers(message.packet, wanted)
 
     def node_of(self, packet: Packet) -> int | None:
         """Return the node that sends a frame, or that it is for; None for all of them, or none known."""

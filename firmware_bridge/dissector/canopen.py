@@ -5,7 +5,7 @@ seen to be written: a reader that has followed a set-up knows what is mapped. Be
 defaults of the node's family; bytes that do not fit its mapping are left as they are.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
@@ -130,6 +130,15 @@ class Canopen:
             known = mapping >= TRANSMIT_MAPPING and self._known(owner, mapping)
             return owner, self._nodes.contents(owner, mapping, packet.payload) if known else []
         return MASTER, []
+
+    def numbers(self, packet: Packet, wanted: Collection[Address]) -> Iterator[tuple[int, Address, int]]:
+        """Yield node, object and number of the wanted objects in a PDO, by a mapping that is known."""
+        for node, _, mapping in self._nodes.candidates(identifier(packet.address)):
+            if self._known(node, mapping):
+                for address, raw in self._nodes.contents(node, mapping, packet.payload):
+                    if address in wanted:
+                        yield node, address, int.from_bytes(raw, "little", signed=True)
+            return
 
     @property
     def version(self) -> int:

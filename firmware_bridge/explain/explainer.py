@@ -3,7 +3,7 @@
 The kind of a frame is decided once for each identifier; PDOs are decoded once for each payload.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
@@ -76,6 +76,11 @@ class BusExplainer:
             handler = self._handlers[address] = self._handler(address)
             self._traffic.first(at, address, payload)
         handler(at, address, payload)
+
+    @property
+    def found(self) -> Sequence[Incident]:
+        """The incidents so far, in the order in which they were found."""
+        return self.state.incidents.found
 
     def end(self) -> None:
         """Judge what the recording ends with."""

@@ -13,15 +13,7 @@ from firmware_bridge.explain.incident import Evidence, Report
 from firmware_bridge.explain.node_state import Rhythm
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.can import ERROR, INTERFRAME_BITS, MAX_PAYLOAD, frame_bits
-from firmware_bridge.wire.can_error import (
-    ACTIVE_AGAIN,
-    BUS_OFF,
-    RECEIVE_OVERFLOW,
-    RECEIVE_PASSIVE,
-    RESTARTED,
-    TRANSMIT_OVERFLOW,
-    TRANSMIT_PASSIVE,
-)
+from firmware_bridge.wire.can_error import BUS_OFF, RESTARTED, error_text
 
 SPAN: Final[Nanoseconds] = 100 * MILLISECOND
 """Rates and load are those of one such span."""
@@ -55,25 +47,6 @@ _BITS: Final = tuple(
     frame_bits(0x2A5, bytes((0x53, 0x10, 0x00, 0x27, 0x00, 0xC1, 0x08, 0x31)[:length])) + INTERFRAME_BITS
     for length in range(MAX_PAYLOAD + 1)
 )
-_STATE: Final = 1
-_CLASSES: Final = {
-    0x001: "transmission timed out",
-    0x002: "arbitration lost",
-    0x004: "controller",
-    0x008: "protocol violation",
-    0x010: "transceiver",
-    0x020: "no acknowledgement",
-    0x080: "bus error",
-}
-_CONTROLLER: Final = {
-    RECEIVE_OVERFLOW: "receive overflow",
-    TRANSMIT_OVERFLOW: "transmit overflow",
-    0x04: "receive warning",
-    0x08: "transmit warning",
-    RECEIVE_PASSIVE: "receive passive",
-    TRANSMIT_PASSIVE: "transmit passive",
-    ACTIVE_AGAIN: "active again",
-}
 
 
 class Traffic:
@@ -203,7 +176,7 @@ class Traffic:
         elif address & RESTARTED & ~ERROR:
             incidents.close((kinds.BUS_OFF, kinds.ERROR_FRAMES), at, None, "the interface was restarted")
         else:
-            report = Report(what=_error_text(address, payload), evidence=evidence)
+            report = Report(what=error_text(address, payload), evidence=evidence)
             self._bus.open(kinds.ERROR_FRAMES, at, report)
 
 
@@ -216,10 +189,3 @@ def _contradict(one: Objects, other: Objects) -> bool:
         elif abs(first - second) > max(LEAST, abs(first) / PART, abs(second) / PART):
             return True
     return False
-
-
-def _error_text(address: int, payload: bytes) -> str:
-    texts = [text for bit, text in _CLASSES.items() if address & bit]
-    state = payload[_STATE] if len(payload) > _STATE else 0
-    texts += [text for bit, text in _CONTROLLER.items() if address & 0x004 and state & bit]
-    return "error report: " + (", ".join(texts) or "of another kind")

@@ -20,6 +20,7 @@ from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 from firmware_bridge.wire.can import EXTENDED, REMOTE
+from firmware_bridge.wire.can_error import error_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 SLOWEST, FASTEST = 0.1, 10.0
 BIT_RATE: Final = 1_000_000
 """Only for the load, which is not shown from here."""
+ERROR_NAME: Final = "error"
+"""In the place of an identifier, which a report of the CAN interface has none of."""
 
 
 class PlayerError(Exception):
@@ -156,16 +159,20 @@ class Player:
             self._picture, self._read = BusPicture(BIT_RATE, device=self._device), -1
         found = []
         for at, frame in self._recording.frames(self._read, now):
-            flags = (EXTENDED if frame.extended else 0) | (REMOTE if frame.remote else 0)
-            packet = Packet(CAN, frame.id | flags, frame.data)
-            self._picture.note(at, packet)
-            if at <= after:
-                continue
-            text = self._picture.text_of(packet)
-            if self._wanted in text.lower() or self._wanted in f"{frame.id:03x}":
-                found.append([to_seconds(at), frame.bus, f"{frame.id:03X}", text])
+            name, text = self._shown_frame(at, frame, shown=at > after)
+            if at > after and (self._wanted in text.lower() or self._wanted in name.lower()):
+                found.append([to_seconds(at), frame.bus, name, text])
         self._read = now
         return found[-MOST_FRAMES:]
+
+    def _shown_frame(self, at: Nanoseconds, frame: Any, *, shown: bool) -> tuple[str, str]:
+        """Take a frame; return its identifier, and where it is shown its text."""
+        if frame.error:
+            return ERROR_NAME, error_text(frame.id, frame.data)
+        flags = (EXTENDED if frame.extended else 0) | (REMOTE if frame.remote else 0)
+        packet = Packet(CAN, frame.id | flags, bytes(min(frame.requested, 8)) if frame.remote else frame.data)
+        self._picture.note(at, packet)
+        return f"{frame.id:03X}", self._picture.text_of(packet) if shown else ""
 
     def _hello(self) -> Json:
         return {

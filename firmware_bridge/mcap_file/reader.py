@@ -1,4 +1,4 @@
-"""Reader of a recording in MCAP: its frames, the bytes of its lines, its attachments.
+"""Reader of a recording in MCAP: its frames, the bytes of its lines, its datagrams, its attachments.
 
 It reads what another writer has made of the same schemas, compressed or not. A file whose end is missing, as
 after a loss of power, is read up to its last whole chunk.
@@ -22,11 +22,12 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.recording import Direction, RecordingError
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE
+from firmware_bridge.wire.internet import number_of
 
 Note: TypeAlias = Callable[[str], None]
 """Takes a remark on a recording that is read all the same."""
 Chunk: TypeAlias = tuple[Nanoseconds, Direction, Packet]
-"""Bytes of a serial line, as `firmware_bridge.recording.parse_chunk` returns them."""
+"""Bytes of a serial line, or a datagram, as `firmware_bridge.recording.parse_chunk` returns them."""
 MAGIC: Final = b"\x89MCAP0\r\n"
 LARGEST: Final = 1 << 30
 """No record of a recording is larger, in bytes: a length beyond is damage."""
@@ -58,6 +59,22 @@ def chunks(path: Path, note: Note) -> Iterator[Chunk]:
     for at, message in _messages(path, "SerialChunk", note):
         direction = Direction.SENT if message.sent else Direction.RECEIVED
         yield at, direction, Packet(message.link, 0, message.data)
+
+
+def datagrams(path: Path, note: Note) -> Iterator[Chunk]:
+    """Yield datagrams, in the order of the file, with the number of their place; RecordingError, OSError."""
+    for at, message in _messages(path, "Datagram", note):
+        direction = Direction.SENT if message.sent else Direction.RECEIVED
+        yield at, direction, Packet(message.link, _place(message.place), message.data)
+
+
+def _place(text: str) -> int:
+    """Return the number of a place that `wire.internet.place_of` has written."""
+    host, _, port = text.rpartition(":")
+    try:
+        return number_of(host.strip("[]"), int(port)) if text else 0
+    except ValueError:
+        raise RecordingError(f"{text!r:.80} is no place of a datagram") from None
 
 
 def messages(path: Path, note: Note) -> Iterator[tuple[Nanoseconds, str, Any]]:

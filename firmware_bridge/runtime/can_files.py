@@ -1,7 +1,7 @@
 """Recordings of CAN buses in the formats of other tools, by a file's suffix.
 
-`.asc` and `.blf` are Vector's, `.trc` is PEAK's, of which python-can reads no remote frames. `.mcap` is what
-`--record` writes (`firmware_bridge.mcap_file`). candump's log is read elsewhere, without a library.
+`.asc` and `.blf` are Vector's, `.trc` is PEAK's; `runtime.can_file_writer` writes them for `--record`.
+`.mcap` is that of `firmware_bridge.mcap_file`. candump's log is read elsewhere, without a library.
 """
 
 import io
@@ -26,7 +26,9 @@ if TYPE_CHECKING:
 Note: TypeAlias = Callable[[str], None]
 """Takes a remark on a recording that is read all the same."""
 
-SUFFIXES: Final = (".asc", ".blf", ".trc", MCAP)
+OF_FRAMES: Final = (".asc", ".blf", ".trc")
+"""Formats that hold CAN frames, and nothing else of a run."""
+SUFFIXES: Final = (*OF_FRAMES, MCAP)
 HEADER_END: Final = "no internal events logged\n"
 DAYS: Final = 1e8
 """Seconds; an instant below counts from the begin of the recording, and one above from 1970."""

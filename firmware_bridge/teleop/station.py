@@ -224,6 +224,8 @@ class StationRows(Generic[G, M, S]):
     """
     channels: tuple[Channel, ...] = USUAL_CHANNELS
     """The channels of RC_CHANNELS_OVERRIDE in use; z, which needs a button, is not among them."""
+    helm: bool = False
+    """True where its operator has a helm, two pedals and a button that reverses; the live page shows them."""
     switches: tuple[Switch[M], ...] = ()
     actuators: tuple[Actuator[G, M], ...] = ()
     """In the order of DO_SET_ACTUATOR's parameters 1, 2, ... of set 0."""

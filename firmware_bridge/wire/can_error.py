@@ -4,6 +4,7 @@ Source: Linux, `linux/can/error.h`; TEC and REC in bytes 6 and 7. Counting error
 """
 
 from enum import IntEnum
+from types import MappingProxyType
 from typing import Final
 
 from firmware_bridge.wire.can import ERROR
@@ -24,6 +25,32 @@ ACTIVE_AGAIN: Final = 0x40
 _STATE: Final = 1
 _DETAIL: Final = 5
 LENGTH: Final = 8
+
+_CLASSES: Final = MappingProxyType(
+    {
+        0x001: "transmission timed out",
+        0x002: "arbitration lost",
+        0x004: "controller",
+        0x008: "protocol violation",
+        0x010: "transceiver",
+        0x020: "no acknowledgement",
+        0x040: "bus off",
+        0x080: "bus error",
+        0x100: "restarted",
+    }
+)
+"""Classes of errors, the bits of a report's address."""
+_STATES: Final = MappingProxyType(
+    {
+        RECEIVE_OVERFLOW: "receive overflow",
+        TRANSMIT_OVERFLOW: "transmit overflow",
+        0x04: "receive warning",
+        0x08: "transmit warning",
+        RECEIVE_PASSIVE: "receive passive",
+        TRANSMIT_PASSIVE: "transmit passive",
+        ACTIVE_AGAIN: "active again",
+    }
+)
 
 
 class Loss(IntEnum):
@@ -52,3 +79,11 @@ def decode_report(payload: bytes) -> tuple[int, Loss]:
     # The byte is the controller's own: another driver than the emulated one may use other numbers.
     known = payload[_DETAIL] in tuple(Loss)
     return payload[_STATE], Loss(payload[_DETAIL]) if known else Loss.UNKNOWN
+
+
+def error_text(address: int, payload: bytes) -> str:
+    """Return a report in words: its classes, and the controller's state."""
+    texts = [text for bit, text in _CLASSES.items() if address & bit]
+    state = payload[_STATE] if len(payload) > _STATE else 0
+    texts += [text for bit, text in _STATES.items() if address & CONTROLLER & ~ERROR and state & bit]
+    return "error report: " + (", ".join(texts) or "of another kind")

@@ -29,13 +29,13 @@ class ShownBench:
         machine = find(robot)
         setup = bench_setup_of(machine)
         script = mission_of(mission, machine, setup)
-        order = RunOrder(machine, setup, mission, script, 0, Path())
-        operator = operator_of(order) if outside is None else outside
+        order = RunOrder(machine, setup, mission, script, 0, Path(), operator=outside)
+        operator = operator_of(order)
         rig = self.rig = Rig(script.on(machine), setup, operator, noise=script.noise)
         live = Live(machine, rig.devices, rig.world, rig.devices.plant, rig.faults, in_reach=True)
         paced = PacedRig(rig, from_seconds(script.duration_s), outside)
         desk = Desk(paced, live, self._report)
-        self.node: Final = LiveBench(rig, paced, desk, f"{robot}, {mission}", operator)
+        self.node: Final = LiveBench(rig, paced, desk, order)
         self.now: Nanoseconds = 0
         self.sent: Final[list[Packet]] = []
         self._wake_at: Nanoseconds = 0

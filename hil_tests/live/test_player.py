@@ -15,9 +15,19 @@ from firmware_bridge.cli.live import incidents as found_in
 from firmware_bridge.live.messages import LIVE, OPENED
 from firmware_bridge.live.player import Player
 from firmware_bridge.live.recording import MOST_FRAMES, Recording
+from firmware_bridge.mcap_file.writer import RecordingWriter
+from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
+from firmware_bridge.wire.can import ERROR, REMOTE
+from firmware_bridge.wire.can_error import (
+    BUS_OFF,
+    CONTROLLER,
+    RECEIVE_PASSIVE,
+    TRANSMIT_OVERFLOW,
+    encode_report,
+)
 
 PAGE = 1
 MISSION = """
@@ -154,6 +164,36 @@ def test_frames_are_in_words_by_the_mapping_that_was_written_before(played: Play
     played.does("watch_frames", on=True, filter="")
     played.does("speed", factor=10)
     assert all(len(one.get("frames", ())) <= MOST_FRAMES for one in played.runs(0.3))
+
+
+def test_errors_of_a_bus_are_in_words_and_remote_frames_are_not_taken_for_data(tmp_path: Path) -> None:
+    path = tmp_path / "errors.mcap"
+    packets = (
+        Packet(CAN, BUS_OFF, bytes(8)),
+        Packet(CAN, ERROR | 0x088, bytes(8)),
+        Packet(CAN, CONTROLLER, encode_report(state=RECEIVE_PASSIVE | TRANSMIT_OVERFLOW)),
+        Packet(CAN, 0x701 | REMOTE, bytes(1)),
+        # No flag: a frame of the same number.
+        Packet(CAN, 0x040, b""),
+    )
+    with path.open("wb") as file:
+        writer = RecordingWriter(file, {})
+        for number, packet in enumerate(packets, start=1):
+            writer.frame(number * MILLISECOND, "can0", packet, sent=False)
+        writer.finish()
+    played = Played(path)
+    played.does("watch_frames", on=True, filter="")
+    (shown,) = (one["frames"] for one in played.runs(0.1) if "frames" in one)
+    assert [(name, text) for _at, _bus, name, text in shown] == [
+        ("error", "error report: bus off"),
+        ("error", "error report: protocol violation, bus error"),
+        ("error", "error report: controller, transmit overflow, receive passive"),
+        ("701", "remote request of 0x701"),
+        ("040", "no CANopen service"),
+    ]
+    played.does("rewind", to_s=0.0)
+    played.does("watch_frames", on=True, filter="bus off")
+    assert [len(one["frames"]) for one in played.runs(0.1) if "frames" in one] == [1]
 
 
 @pytest.mark.parametrize(

@@ -62,6 +62,36 @@ def fits(page: Browser, path: Path) -> None:
     page.resizes(*WIDE)
 
 
+def drives_by_hand(page: Browser, folder: Path) -> None:
+    """Drive by keys, a tab that loses its focus, and a gamepad as helm and pedals."""
+    page.clicks("take")
+    page.waits("known.state.operator.station.startsWith('254/190')")
+    page.waits("document.getElementById('arm').offsetParent !== null")
+    page.clicks("arm")
+    page.waits(f"{SPEED} === 0 && known.state.armed && known.state.interlocks.length === 0")
+    page.key("w", down=True)
+    page.waits(f"{SPEED} > 0.05")
+    page.value("dispatchEvent(new Event('blur'))")
+    page.waits(f"{SPEED} === 0")
+    page.key("w", down=False)
+    page.value(GAMEPAD)
+    for _ in range(10):
+        page.rests()
+    # A helm and two pedals, as the robot's station has them: the right trigger accelerates.
+    assert page.value("document.getElementById('wheel').checkVisibility()")
+    assert page.value("document.querySelectorAll('#gauges dd').length") >= 6
+    page.value("standIn.buttons[7] = {pressed: true, value: 0.8}")
+    page.waits(f"{SPEED} > 0.05")
+    page.value("standIn.buttons[7] = {pressed: false, value: 0}")
+    page.waits(f"{SPEED} === 0")
+    page.clicks("reverse")
+    page.value("standIn.buttons[7] = {pressed: true, value: 0.8}")
+    page.waits("known.state.command['speed'] < -0.05")
+    page.value("standIn.buttons[7] = {pressed: false, value: 0}")
+    page.waits(f"{SPEED} === 0")
+    page.screenshot(folder / "station.png")
+
+
 def test_a_bench_is_shown_broken_driven_stopped_put_back_and_ended(
     page: Browser, under_test: Callable[[Sequence[str]], Process], tmp_path: Path
 ) -> None:
@@ -91,30 +121,17 @@ def test_a_bench_is_shown_broken_driven_stopped_put_back_and_ended(
     page.clicks("watch")
     page.waits("document.querySelectorAll('#frames > *').length > 10")
     page.clicks("watch")
-    # Driving: keys, a tab that loses its focus, a gamepad.
-    page.clicks("take")
-    page.waits("known.state.operator.station.startsWith('254/190')")
-    page.waits("document.getElementById('arm').offsetParent !== null")
-    page.clicks("arm")
-    page.waits(f"{SPEED} === 0 && known.state.armed && known.state.interlocks.length === 0")
-    page.key("w", down=True)
-    page.waits(f"{SPEED} > 0.05")
-    page.value("dispatchEvent(new Event('blur'))")
-    page.waits(f"{SPEED} === 0")
-    page.key("w", down=False)
-    page.value(GAMEPAD)
-    for _ in range(10):
-        page.rests()
-    page.value("standIn.axes[1] = -0.8")
-    page.waits(f"{SPEED} > 0.05")
-    page.value("standIn.axes[1] = 0")
-    page.waits(f"{SPEED} === 0")
+    drives_by_hand(page, tmp_path)
     # Stops, by keys.
     page.key("Escape", down=True)
     page.key("Escape", down=False)
     page.waits("known.state.stopped && !known.state.armed")
     page.waits("known.state.interlocks.some(one => one.name === 'emergency stop')")
     page.screenshot(tmp_path / "stopped.png")
+    # A mission, from the page.
+    page.value("document.getElementById('missions').value = 'line'")
+    page.value("document.getElementById('mission').requestSubmit()")
+    page.waits("document.body.innerText.includes('mission line begins')")
     # Time put back to before the stop.
     page.value(REWIND % 4)
     page.waits("known.state.at_s < 5 && !known.state.stopped")

@@ -225,6 +225,6 @@ def test_bench_records_in_a_file_alone(
     ended, _, err = command(["bench", "rars", "--record", str(tmp_path / "folder")], monkeypatch, capsys)
     assert ended == 2
     assert err == (
-        f"firmware-bridge: --record {tmp_path / 'folder'}: name a file that ends in .mcap; --out names the "
-        "results' folder\n"
+        f"firmware-bridge: --record {tmp_path / 'folder'}: name a file that ends in .asc, .blf, .trc or "
+        ".mcap; --out names the results' folder\n"
     )

@@ -10,7 +10,9 @@ from emulators.arduino_omni.commands.line import LineOptions, checked, line_open
 from emulators.cli.emulation import Emulation, emulating
 from emulators.cli.options import ControlOption, FaultOption
 from firmware_bridge.cli.console import refusal
+from firmware_bridge.cli.live_page import LiveOption
 from firmware_bridge.cli.options import DurationOption
+from firmware_bridge.cli.plot_option import PlotOption
 from firmware_bridge.cli.recorded import RecordOption
 from firmware_bridge.node import SERIAL
 from firmware_bridge.recording import device_side
@@ -44,7 +46,9 @@ class Ar2Options(LineOptions):
     firmware: Annotated[str, typer.Option(help="Version of its sketch: 2.0 or 1.5.")] = "2.0"
     record: RecordOption = None
     control: ControlOption = "unix"
+    plotjuggler: PlotOption = None
     fault: FaultOption = None
+    live: LiveOption = False
     duration: DurationOption = None
 
 

@@ -11,7 +11,9 @@ from emulators.arduino_omni.commands.line import LineOptions, checked, line_open
 from emulators.cli.emulation import Emulation, emulating
 from emulators.cli.options import ControlOption, FaultOption, plant_file
 from firmware_bridge.cli.console import one_message, refusal
+from firmware_bridge.cli.live_page import LiveOption
 from firmware_bridge.cli.options import DurationOption
+from firmware_bridge.cli.plot_option import PlotOption
 from firmware_bridge.cli.recorded import RecordOption
 from firmware_bridge.node import SERIAL
 from firmware_bridge.recording import device_side
@@ -99,7 +101,9 @@ class BoardOptions(LineOptions):
     ] = None
     record: RecordOption = None
     control: ControlOption = "unix"
+    plotjuggler: PlotOption = None
     fault: FaultOption = None
+    live: LiveOption = False
     duration: DurationOption = None
 
 

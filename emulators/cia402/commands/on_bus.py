@@ -9,8 +9,10 @@ from emulators.cli.emulation import Emulation
 from emulators.cli.options import ControlOption, FaultOption, ParametersOption
 from emulators.servo.motor import SUPPLY_MV
 from firmware_bridge.cli.console import one_message, refusal
+from firmware_bridge.cli.live_page import LiveOption
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, DurationOption, InterfaceOption
 from firmware_bridge.cli.outside import Outside
+from firmware_bridge.cli.plot_option import PlotOption
 from firmware_bridge.cli.recorded import RecordOption
 from firmware_bridge.node import CAN, Node
 from firmware_bridge.runtime.black_box import CAN_LOG
@@ -45,7 +47,9 @@ class BusOptions:
     parameters: ParametersOption = None
     record: RecordOption = None
     control: ControlOption = "unix"
+    plotjuggler: PlotOption = None
     fault: FaultOption = None
+    live: LiveOption = False
     duration: DurationOption = None
 
 

@@ -14,10 +14,12 @@ from emulators.epos2.objects.device_profile import BAUDS, BIT_RATES, DeviceProfi
 from emulators.servo.motor import MOTOR, SUPPLY_MV
 from firmware_bridge.cli.commands import completing
 from firmware_bridge.cli.console import one_message, refusal, say
+from firmware_bridge.cli.live_page import LiveOption
 from firmware_bridge.cli.options import (
     DurationOption,
 )
 from firmware_bridge.cli.outside import Outside
+from firmware_bridge.cli.plot_option import PlotOption
 from firmware_bridge.cli.recorded import RecordOption
 from firmware_bridge.families.epos2.maxon.frame import Generation
 from firmware_bridge.node import CAN, SERIAL
@@ -188,7 +190,9 @@ class DrivesOptions(Outside):
     ] = None
     record: RecordOption = None
     control: ControlOption = "unix"
+    plotjuggler: PlotOption = None
     fault: FaultOption = None
+    live: LiveOption = False
     duration: DurationOption = None
 
 

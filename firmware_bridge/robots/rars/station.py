@@ -99,6 +99,7 @@ STATION: Final[StationRows[RarsGeometry, RarsMotion, RarsState]] = StationRows(
     stop_button=2,
     up_button=3,
     axes=(*USUAL_AXES, StickAxis.UP),
+    helm=True,  # thesis 4.3
     switches=(
         Switch(
             "detector",

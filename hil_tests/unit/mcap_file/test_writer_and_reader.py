@@ -9,7 +9,7 @@ from hypothesis import example, given
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 
-from firmware_bridge.mcap_file.reader import CUT, attachments, chunks, frames
+from firmware_bridge.mcap_file.reader import CUT, attachments, chunks, datagrams, frames
 from firmware_bridge.mcap_file.rows import DriveRow, EventKind, EventRow, Joint
 from firmware_bridge.mcap_file.schemas import own
 from firmware_bridge.mcap_file.writer import RecordingWriter
@@ -131,6 +131,33 @@ def test_a_file_of_another_writer_is_read_compressed_or_not(
     writer.add_message(known, 2, schema.message(bus="b", id=0x80).SerializeToString(), 2)
     writer.finish()  # type: ignore[no-untyped-call] # the library's
     assert read(tmp_path / "other.mcap", file.getvalue()) == ([(2, "b", Packet(CAN, 0x80, b""))], [])
+
+
+@pytest.mark.parametrize("place", ["nowhere", "127.0.0.1:0", "[::1]", "1.2.3.4:99999"])
+def test_a_datagram_of_no_place_is_reported(place: str, tmp_path: Path) -> None:
+    schema, path = own("Datagram"), tmp_path / "bad.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        number = writer.register_schema(schema.name, "protobuf", schema.descriptor)
+        channel = writer.register_channel("/datagrams", "protobuf", number)
+        writer.add_message(channel, 0, schema.message(link="x", place=place).SerializeToString(), 0)
+        writer.finish()  # type: ignore[no-untyped-call] # the library's
+    with pytest.raises(RecordingError, match="is no place of a datagram"):
+        list(datagrams(path, lambda _note: None))
+
+
+def test_datagrams_come_back_with_their_places(tmp_path: Path) -> None:
+    path, places = tmp_path / "all.mcap", (0, number_of("192.168.1.10", 1511), number_of("fe80::1", 14550))
+    with path.open("wb") as file:
+        writer = RecordingWriter(file, {})
+        for at, place in enumerate(places):
+            writer.datagram(at, "cameras", Packet("cameras", place, bytes((at,))), sent=at == 1)
+        writer.finish()
+    assert list(datagrams(path, lambda _note: None)) == [
+        (at, Direction.SENT if at == 1 else Direction.RECEIVED, Packet("cameras", place, bytes((at,))))
+        for at, place in enumerate(places)
+    ]
 
 
 def test_a_message_that_is_damaged_is_reported(tmp_path: Path) -> None:

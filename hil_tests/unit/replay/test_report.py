@@ -4,7 +4,7 @@ import json
 import re
 import shutil
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pytest
@@ -15,9 +15,15 @@ from emulators.bench.columns import ARMED, PLANAR, Samples
 from emulators.bench.summary import InterlockEntry
 from firmware_bridge.cli import program
 from firmware_bridge.intent import ConfirmPosition
+from firmware_bridge.mavlink.frames import Codec
+from firmware_bridge.mavlink.texts import Speaker
+from firmware_bridge.mcap_file.writer import RecordingWriter
+from firmware_bridge.node import CAN, OPERATOR
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robot_types import find
 from firmware_bridge.runtime.run_file import RUN_FILE, AsRun, read_run, run_file
+from firmware_bridge.safety.interlock_base import Severity
 
 REAL: Final = Path(__file__).with_name("places_known")
 """3 s of `drive rars` at emulated drives in real time, no one driving."""
@@ -41,6 +47,12 @@ at_s = 6.0
 title = "stop"
 emergency_stop = true
 """
+IDLE: Final = """
+[[step]]
+at_s = 3.0
+title = "arm, and drive nowhere"
+arm = true
+"""
 
 
 def reported(*words: str) -> Result:
@@ -56,7 +68,8 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of the bench, with its recording."""
     folder = tmp_path_factory.mktemp("driven")
     (folder / "m.toml").write_text(DRIVEN, encoding="utf-8")
-    done = reported("bench", "rars", "--mission", str(folder / "m.toml"), "--out", str(folder / "run"))
+    words = ("--mission", str(folder / "m.toml"), "--out", str(folder / "run"))
+    done = reported("bench", "rars", *words, "--record", str(folder / "run.mcap"))
     assert done.exit_code == 0, done.output
     return folder / "run"
 
@@ -92,6 +105,84 @@ def test_its_page_has_numbers_holds_and_pictures(bench: Path, tmp_path: Path) ->
     assert pictures == {"path", "speeds", "currents", "interlocks"}
     assert page.count("data:image/png") == len(pictures)
     assert "does otherwise than was recorded" not in page
+
+
+def test_a_recording_in_mcap_gives_the_page_of_its_folder(bench: Path, tmp_path: Path) -> None:
+    file = shutil.copy(bench.with_suffix(".mcap"), tmp_path / "run.mcap")
+    done = reported("report", str(file))
+    assert done.exit_code == 0, done.output
+    assert done.output.startswith(f"{tmp_path / 'run' / 'report.html'}: ")
+    assert reported("report", str(bench), "--out", str(tmp_path / "of_folder")).exit_code == 0
+    assert (tmp_path / "run/samples.csv").read_bytes() == (tmp_path / "of_folder/samples.csv").read_bytes()
+    page = (tmp_path / "run/report.html").read_text(encoding="utf-8")
+    assert "run.mcap" in page
+    assert "emergency stop" in page
+    assert "does otherwise than was recorded" not in page
+
+
+def test_a_recording_in_mcap_has_a_drives_serial_lines_and_cameras_too(tmp_path: Path) -> None:
+    mission = tmp_path / "short.toml"
+    mission.write_text(DRIVEN.partition("[[step]]")[0].replace("7.0", "4.0") + IDLE, encoding="utf-8")
+    for robot in ("rome", "climber+cameras"):
+        file, folder = tmp_path / f"{robot}.mcap", tmp_path / f"{robot}-run"
+        words = (robot, "--mission", str(mission), "--out", str(folder), "--record", str(file))
+        assert reported("bench", *words).exit_code == 0
+        for one, out in ((file, "of_file"), (folder, "of_folder")):
+            done = reported("report", str(one), "--out", str(tmp_path / out))
+            assert done.exit_code == 0, done.output
+        pages = [(tmp_path / out / "samples.csv").read_bytes() for out in ("of_file", "of_folder")]
+        assert pages[0] == pages[1]
+
+
+def mcap_of(path: Path, *, frames: bool = True, words: bool = True, run: bool = True) -> Path:
+    """Write a recording in MCAP with the first frame of a run, a message of its operator, and its robot."""
+    with path.open("wb") as file:
+        writer = RecordingWriter(file, {})
+        if frames:
+            writer.frame(0, "drives", Packet(CAN, 0x701, b"\0"), sent=False)
+        if words:
+            for message in Speaker().say(Severity.INFO, "armed"):
+                writer.datagram(0, OPERATOR, Packet(OPERATOR, 0, Codec(1, 1).encode(message)), sent=True)
+        if run:
+            writer.attach(RUN_FILE, "application/json", run_file(AsRun(find("rars")))[RUN_FILE].encode())
+        writer.finish()
+    return path
+
+
+@pytest.mark.parametrize(
+    ("parts", "states"),
+    [
+        ({"frames": False}, "has no frames and no bytes of serial lines; record it with `bench` or `drive`"),
+        ({"words": False}, "has no messages of an operator's link; record it with `bench` or `drive`"),
+        ({"run": False}, "has no run.json, which names the robot; name the robot behind it"),
+    ],
+)
+def test_a_recording_in_mcap_that_has_too_little_is_one_message(
+    tmp_path: Path, parts: dict[str, Any], states: str
+) -> None:
+    file = mcap_of(tmp_path / "run.mcap", **parts)
+    done = reported("report", str(file))
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert done.stderr == f"firmware-bridge: {file}: {states}\n"
+    assert sorted(tmp_path.iterdir()) == [file]
+
+
+def test_a_file_that_is_cut_off_or_of_another_robot_is_named_as_the_user_named_it(
+    bench: Path, tmp_path: Path
+) -> None:
+    whole, cut = bench.with_suffix(".mcap").read_bytes(), tmp_path / "cut.mcap"
+    cut.write_bytes(whole[:-200])
+    done = reported("report", str(cut), "rars")
+    assert done.exit_code == 0, done.output
+    assert f"{cut}: its end is cut off" in done.output
+    cut.write_bytes(whole)
+    done = reported("report", str(cut), "rome", "--out", str(tmp_path / "out"))
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert done.stderr.startswith("firmware-bridge: cut.mcap: holds nothing of rome's link 'board'")
+    (tmp_path / "none.mcap").write_bytes(b"garbage")
+    done = reported("report", str(tmp_path / "none.mcap"))
+    assert (done.exit_code, done.stderr.count("\n")) == (2, 1)
+    assert "does not begin like an MCAP file" in done.stderr
 
 
 def test_a_real_drive_is_reported_in_its_own_folder(tmp_path: Path) -> None:
