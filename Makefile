@@ -195,7 +195,7 @@ $(MEASURED): $(READY)
 	@touch $@
 
 bench: $(MEASURED) $(COMPILED)/.ready ## measure how fast the bench is, what it costs, and against what; some minutes
-	@status=0; for one in realtime rome climber moments against_fmpy many_drives device boards mcap_cost monitor_live memory; do \
+	@status=0; for one in realtime rome climber moments against_fmpy many_drives device boards mcap_cost monitor_live live_page memory; do \
 		$(COMPILED)/bin/python -P -m benchmarks.$$one || status=$$?; \
 	done; exit $$status
 

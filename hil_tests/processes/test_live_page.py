@@ -29,10 +29,7 @@ def test_a_page_shows_the_bench_breaks_it_goes_back_and_ends_it(
 ) -> None:
     words = ("bench", "rome", "--mission", "line", "--realtime", "--live", "--out", str(tmp_path))
     program = under_test((*PROGRAM, *words))
-    program.prints("Ctrl-C ends it", HUNG_S)
-    address = re.search(r"live page: http://(\S+)", program.printed)
-    assert address is not None
-    with connect(f"ws://{address[1]}ws", open_timeout=HUNG_S) as page:
+    with connect(opened(program), open_timeout=HUNG_S) as page:
         assert json.loads(page.recv(timeout=HUNG_S))["title"] == "rome, line"
         assert answer(page, "step", seconds=2.0)["at_s"] >= 2.0
         assert answer(page, "inject", fault="shaft_blocked", keys={"node": "one"})["ok"]
@@ -56,10 +53,7 @@ def test_a_robot_is_shown_and_its_page_ends_the_bridge_in_good_order(
     board.prints("Ctrl-C ends it", HUNG_S)
     words = ("drive", "rome", "--serial", line, "--live", "--state", str(tmp_path / "state.json"))
     bridge = under_test((*PROGRAM, *words, "--mavlink", "udpin:127.0.0.1:0"))
-    bridge.prints("Ctrl-C ends it", HUNG_S)
-    address = re.search(r"live page: http://(\S+)", bridge.printed)
-    assert address is not None
-    with connect(f"ws://{address[1]}ws", open_timeout=HUNG_S) as page:
+    with connect(opened(bridge), open_timeout=HUNG_S) as page:
         first = json.loads(page.recv(timeout=HUNG_S))
         assert (first["mode"], first["can"]) == ("robot", ["stop", "emergency_stop"])
         assert not answer(page, "arm", on=True)["ok"]
@@ -68,3 +62,42 @@ def test_a_robot_is_shown_and_its_page_ends_the_bridge_in_good_order(
         assert answer(page, "stop")["ok"]
     bridge.prints("ended: SIGINT", HUNG_S)
     assert bridge.ends(HUNG_S) == 0
+
+
+def opened(program: Process) -> str:
+    """Return the address of a program's page."""
+    program.prints("Ctrl-C ends it", HUNG_S)
+    address = re.search(r"live page: http://(\S+)", program.printed)
+    assert address is not None
+    return f"ws://{address[1]}ws"
+
+
+def test_an_emulated_board_is_shown_broken_and_ended(
+    under_test: Callable[[Sequence[str]], Process],
+) -> None:
+    words = ("emulate", "board", "--firmware", "mw", "--serial", "pty", "--control", "none", "--live")
+    program = under_test((*PROGRAM, *words, "--fault", "current_limit"))
+    with connect(opened(program), open_timeout=HUNG_S) as page:
+        first = json.loads(page.recv(timeout=HUNG_S))
+        assert (first["mode"], len(first["axes"])) == ("devices", 4)
+        assert answer(page, "inject", fault="shaft_blocked", keys={"node": "M1"})["ok"]
+        assert not answer(page, "inject", fault="bus_off", keys={})["ok"]
+        assert answer(page, "shutdown")["ok"]
+    assert program.ends(HUNG_S) == 0
+    assert "fault current_limit begins at 0.000000 s" in program.printed
+    assert "fault shaft_blocked begins at" in program.printed
+
+
+def test_a_pilot_is_shown_and_ended_by_its_page(
+    under_test: Callable[[Sequence[str]], Process], tmp_path: Path
+) -> None:
+    path = tmp_path / "path.csv"
+    path.write_text("0,0\n1,0\n2,0\n", encoding="ascii")
+    words = ("pilot", "rars", "--path", str(path), "--mavlink", "udpin:127.0.0.1:0", "--live")
+    program = under_test((*PROGRAM, *words))
+    with connect(opened(program), open_timeout=HUNG_S) as page:
+        first = json.loads(page.recv(timeout=HUNG_S))
+        assert (first["mode"], first["can"]) == ("station", ["stop", "emergency_stop"])
+        assert not answer(page, "drive", x=1.0)["ok"]
+        assert answer(page, "stop")["ok"]
+    assert program.ends(HUNG_S) == 0
