@@ -37,6 +37,7 @@ PACKAGES: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("canopen_drive/guard/bounds", ("safety/test_guard_bounds",)),
     ("families/epos2/guard/serial", (*LINES, "safety/test_guard_reports", *ACROSS, "safety/test_guard_zero")),
     ("families/motion_capture/guard", ("safety/test_guard_capture",)),
+    ("families/imu/guard", ("unit/imu/test_imu_on_robot",)),
     (
         "canopen_drive/guard/zeroing",
         ("safety/test_guard_zero", "safety/test_guard_homing", "safety/test_guard_zeroing_state"),
@@ -64,6 +65,7 @@ PACKAGES: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ),
     ("bridge/*", ("unit/bridge/*", "unit/pipeline/*")),
     ("families/motion_capture/driver/*", ("unit/capture_driver/*",)),
+    ("families/imu/driver/*", ("unit/imu/test_attitude", "unit/imu/test_imu_line")),
     ("families/epos2/commissioning/*", ("unit/commissioning/*",)),
     (
         "families/epos2/driver/serial/*",

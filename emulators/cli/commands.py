@@ -82,9 +82,9 @@ COMMANDS: Final[tuple[Row, ...]] = (
         """Put emulated devices on a real CAN bus or a serial line, in real time.
 
 `emulate FAMILY` emulates devices of one family alone, with its own options: `epos2` drives, `cia402` plain
-servos, `motor_shield`, or `board`, an Arduino with a motor shield, `ar2` the board of an arm,
-`motion_capture`, or `capture`, cameras. `emulate ROBOT` emulates the devices and the plant of a robot; the
-word `robot` in front of the robot's name may be left out.""",
+servos, `motor_shield`, or `board`, an Arduino with a motor shield, `ar2` the board of an arm, `imu` an
+inertial sensor, `motion_capture`, or `capture`, cameras. `emulate ROBOT` emulates the devices and the plant
+of a robot; the word `robot` in front of the robot's name may be left out.""",
         """Examples:
 
 `firmware-bridge emulate rars -i socketcan -c vcan0`

@@ -168,6 +168,8 @@ class Value(Generic[M, S]):
     """Return the value, or None while it is not known."""
     title: str
     """Its name, with its unit."""
+    of: Callable[[Any], bool] = lambda _: True
+    """Return whether a robot of this type has it; others keep their link free of it."""
 
 
 @dataclass(frozen=True)

@@ -184,7 +184,7 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
         _stream(
             dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE, SECOND // 5, distances, "m, in the order of the wheels"
         ),
-        *(_stream_of(value) for value in station.values),
+        *(_stream_of(value) for value in station.values if value.of(robot)),
         _stream(
             dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY,
             SECOND // 10,

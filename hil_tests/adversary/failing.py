@@ -128,6 +128,9 @@ FAILING: Final[dict[str, Failing]] = {
         disables_power=False,
     ),
     "capture_loss": Failing(FaultProfile.HONEST, _share, longest_s=5.0, disables_power=False),
+    "imu_frozen": Failing(FaultProfile.LYING, longest_s=LIES_S, disables_power=False),
+    "imu_axes_swapped": Failing(FaultProfile.LYING, longest_s=LIES_S, disables_power=False),
+    "imu_silent": Failing(FaultProfile.HONEST, longest_s=5.0, disables_power=False),
     # A motor that does not follow its command; let go again it jumps to its command of then.
     "shaft_blocked": Failing(FaultProfile.LYING, longest_s=LIES_S),
     "motor_cable_off": Failing(FaultProfile.LYING, longest_s=LIES_S),

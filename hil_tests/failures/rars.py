@@ -221,6 +221,7 @@ ELSEWHERE: Final = {
         "the adversary's random runs",
     ),
     **dict.fromkeys(("body_hidden", "body_shakes", "markers_swapped"), "tests of robots that cameras see"),
+    **dict.fromkeys(("imu_frozen", "imu_axes_swapped", "imu_silent"), "tests of the IMU"),
     "grip_lost": "a test of the climber",
 }
 """Kinds of faults that are no cause here, and why."""

@@ -32,9 +32,15 @@ ACCELERATION: Final = Function(
 SPEED: Final = Function("speed limit", "the robot is too fast to be stopped in time", TIRES)
 TURN: Final = Function("turn rate limit", "the robot turns faster than people expect", TIRES)
 
+MASSES: Final = "masses and places of the load are those of the robot file; bumps are not detected"
 RARS: Final = (
     Function("steer angle unknown", "the robot drives where no one commanded: its steering is unknown", "-"),
     Function("lift height unknown", "the robot drives with a raised load: its height is unknown", "-"),
+    Function(
+        "tilt unknown",
+        "the robot drives or lifts on a slope that no one measures",
+        "a robot file without an IMU",
+    ),
     Function("lift extended", "a robot with a raised load tips when it drives", PLANE),
     Function("lift moving", "base and lift move together, and the load sways", PLANE),
     Function("lift refused", "the lift rises while the robot drives", PLANE),
@@ -44,6 +50,8 @@ RARS: Final = (
     Function("turn radius limit", "the robot turns more tightly than its steering keeps", "-"),
     Function("lift rate limit", "the load rises too fast", "people below or beside it are not detected"),
     Function("lift range limit", "the lift runs into its end", "a wrong reference that is confirmed"),
+    Function("lift margin limit", "a raised load tips the robot on a slope", MASSES),
+    Function("margin limit", "the robot tips as it starts, turns or stops on a slope", MASSES),
     ACCELERATION,
 )
 SERVO_AXIS: Final = (

@@ -75,7 +75,7 @@ def well(
         axis.name: Feedback(axis.name, **{**enabled, "received_at": now, **changed.get(axis.name, {})})
         for axis in robot.axes
     }
-    body = {"steer_rad": 0.0, "lift_m": 0.0, "speed_mps": 0.0}
+    body: dict[str, Any] = {"steer_rad": 0.0, "lift_m": 0.0, "speed_mps": 0.0}
     body |= {key: changes.pop(key) for key in tuple(changes) if key in body}
     facts = {"armed": True, "emergency_stopped": False, "neutral": True} | changes
     return snapshot.Snapshot(

@@ -39,6 +39,7 @@ FOLLOWS: Final = {
     "command unusable": (ALL, "blocks arming"),
     "steer angle unknown": (ALL, "blocks arming"),
     "lift height unknown": (ALL, "blocks arming"),
+    "tilt unknown": (ALL, "blocks arming"),
     # A lift comes down only when the robot is armed.
     "lift extended": ({"base"},),
     "lift moving": ({"base"},),
@@ -59,6 +60,8 @@ FOLLOWS: Final = {
     "turn radius limit": (set(),),
     "lift rate limit": (set(),),
     "lift range limit": (set(),),
+    "lift margin limit": (set(),),
+    "margin limit": (set(),),
     "acceleration limit": (set(),),
 }
 

@@ -177,4 +177,5 @@ BENCH_SETUP: Final = BenchSetup(
     remarks=_remarks,
     figures_by_file={"ratio_error_while_steering": ratio_error},
     cases=cases,
+    well={"pitch": 0.0, "roll": 0.0},
 )

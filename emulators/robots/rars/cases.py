@@ -8,7 +8,8 @@ from typing import Final, TypeAlias
 from emulators.bench import cases as bench
 from firmware_bridge.motion import scissor
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rars.geometry import RarsGeometry
+from firmware_bridge.robots.rars.geometry import Balance, RarsGeometry
+from firmware_bridge.robots.rars.governor import Governor
 from firmware_bridge.robots.rars.kinematics import ramp_of
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.robots.rars.rules import tipping_speed
@@ -16,7 +17,13 @@ from firmware_bridge.robots.rars.rules import tipping_speed
 Case: TypeAlias = bench.Case[RarsMotion, RarsState]
 Situation: TypeAlias = bench.Situation[RarsMotion, RarsState]
 
-WELL: Final = RarsState(steer_rad=0.0, lift_m=0.0, screw_rad_s=0.0, speed_mps=0.0, yaw_rate_rad_s=0.0)
+WELL: Final = RarsState(
+    steer_rad=0.0, lift_m=0.0, screw_rad_s=0.0, speed_mps=0.0, yaw_rate_rad_s=0.0, tilt_rad=(0.0, 0.0)
+)
+BALANCE: Final = Balance(
+    pitch="pitch", roll="roll", mass_kg=70.0, scissor_kg=8.0, table_height_m=0.5, payload_kg=10.0
+)
+STEEP_RAD: Final = 0.44
 JUST: Final = 1.0 + 1e-5
 """A limit reports what is beyond it by more than a millionth."""
 
@@ -120,6 +127,40 @@ def _limits(robot: Robot[RarsGeometry]) -> Iterator[Case]:
         (JUST * highest, highest, "m"),
     )
     yield _tipping(robot, tightest)
+    yield from _balanced(robot)
+
+
+def _balanced(robot: Robot[RarsGeometry]) -> Iterator[Case]:
+    """Yield the cases of a robot that has an IMU, which the robot file lacks."""
+    base = robot.geometry.base.model_copy(update={"centre_offset_m": 0.141})
+    geometry = robot.geometry.model_copy(update={"base": base, "balance": BALANCE})
+    with_imu = robot.model_copy(update={"geometry": geometry})
+    governor = Governor(geometry)
+    yield Case(
+        "tilt unknown",
+        trips=Situation(body=replace(WELL, tilt_rad=None)),
+        spares=Situation(body=WELL),
+        reason="its tilt is not known: no reading of 'pitch' and 'roll'",
+        robot=with_imu,
+    )
+    steep = replace(WELL, tilt_rad=(STEEP_RAD, 0.0), margin_m=0.05)
+    # Nose uphill: backwards it could tip over its rear wheels as it stops.
+    top = governor.top_speed(steep, -1.0, 0.0)
+    yield Case(
+        "margin limit",
+        trips=Situation(command=RarsMotion(-JUST * top), commanded=RarsMotion(-top), body=steep),
+        spares=Situation(command=RarsMotion(-top), commanded=RarsMotion(-top), body=steep),
+        reason=f"requested {-JUST * top:.2f} m/s, allowed is {top:.2f} m/s, the standing margin is 50 mm",
+        robot=with_imu,
+    )
+    highest = governor.highest_lift(steep)
+    yield Case(
+        "lift margin limit",
+        trips=Situation(command=RarsMotion(lift_m=JUST * highest), body=steep),
+        spares=Situation(command=RarsMotion(lift_m=highest), body=steep),
+        reason=f"the table may rise to {1e3 * highest:.0f} mm here, it is at 0 mm",
+        robot=with_imu,
+    )
 
 
 def _limited(

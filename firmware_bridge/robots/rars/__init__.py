@@ -16,7 +16,7 @@ from firmware_bridge.robots.rars.station import STATION
 ROBOT_TYPE: Final[RobotType[RarsGeometry, RarsMotion, RarsState]] = RobotType(
     name="rars",
     file=Path(__file__).with_name("rars.toml"),
-    more={name: Path(__file__).with_name(f"{name}.toml") for name in ("cameras", "thesis")},
+    more={name: Path(__file__).with_name(f"{name}.toml") for name in ("cameras", "imu", "thesis")},
     geometry=RarsGeometry,
     standstill=RarsMotion(),
     numbers={

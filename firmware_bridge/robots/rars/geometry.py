@@ -46,6 +46,52 @@ class Degraded(Table):
     """The largest curvature to either side of the rack's that the wheels steer to then."""
 
 
+class Balance(Table):
+    """What keeps the base from tipping over: its masses, its tilt by an IMU, the margin that is kept.
+
+    The height of its centre of mass is assumed as in the plant that tips over: with h, the table's height
+    over the floor, z = (m z_0 + m_s (h - h_0) / 2 + m_p h) / (m + m_p).
+    """
+
+    pitch: str
+    """The name of the sensor of its pitch, rad, positive with the nose up."""
+    roll: str
+    """The name of the sensor of its roll, rad, positive with the left side up."""
+    mass_kg: Positive
+    """Without payload."""
+    scissor_kg: NonNegative
+    """Part of `mass_kg` that rises with the lift, by half of its way."""
+    table_height_m: Positive
+    """Over the floor, retracted."""
+    payload_kg: NonNegative
+    """The heaviest that is put on: every margin is judged with it, as it raises the centre of mass."""
+    payload_aside_m: NonNegative = 0.0
+    """The farthest that it stands beside the centre of mass, in any direction."""
+    least_margin_m: Positive = 0.010
+    """Least distance of the zero-moment point inside the support (2.3.1)."""
+    tilt_error_deg: NonNegative = 1.0
+    """Error of the IMU's pitch and roll that is allowed for."""
+    lift_while_driving: bool = False
+    """Drive with the lift extended, too; [R] forbids it."""
+
+    def height(self, base: DavisBase, lift_m: float) -> float:
+        """Return the height of the centre of mass over the floor, m, with the heaviest payload."""
+        up = self.table_height_m + lift_m
+        raised = self.mass_kg * base.centre_of_gravity_height_m + self.scissor_kg * lift_m / 2.0
+        return (raised + self.payload_kg * up) / (self.mass_kg + self.payload_kg)
+
+    def lift_for(self, base: DavisBase, height_m: float) -> float:
+        """Return the lift's height above retracted, m, at which the centre of mass is so high."""
+        total = self.mass_kg + self.payload_kg
+        still = self.mass_kg * base.centre_of_gravity_height_m + self.payload_kg * self.table_height_m
+        return (height_m * total - still) / (self.scissor_kg / 2.0 + self.payload_kg)
+
+    def needed(self, height_m: float) -> float:
+        """Return the margin in m that is kept by a robot as it is measured."""
+        aside = self.payload_kg * self.payload_aside_m / (self.mass_kg + self.payload_kg)
+        return self.least_margin_m + aside + height_m * math.tan(math.radians(self.tilt_error_deg))
+
+
 class RarsGeometry(Table):
     """Steered base, lift on it, and their limits."""
 
@@ -53,6 +99,8 @@ class RarsGeometry(Table):
     lift: ScissorLift
     limits: RarsLimits
     degraded: Degraded
+    balance: Balance | None = None
+    """None: no IMU measures a slope, and the limits are those of a level floor."""
 
     @property
     def narrowed(self) -> RarsLimits:

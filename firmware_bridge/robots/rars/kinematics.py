@@ -16,6 +16,7 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.motion.ramp import MARGIN, Ramp
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rars.geometry import RarsGeometry, RarsLimits
+from firmware_bridge.robots.rars.governor import Governor
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.units import Nanoseconds, to_seconds
 
@@ -91,6 +92,7 @@ class Rars:
         self._rate_mps = limits.lift_rate_mps
         self._ramp = ramp_of(robot, limits)
         self._rack = Rack(robot)
+        self._governor = Governor(robot.geometry)
         self._top_mps = limits.speed_mps
         self._left = robot.axis(LEFT_WHEEL).name
         self._right = robot.axis(RIGHT_WHEEL).name
@@ -99,8 +101,8 @@ class Rars:
         self.rolling: tuple[str, ...] = (self._left, self._right)
         """The axes from whose positions the pose is carried on."""
 
-    def sensed(self, axes: Mapping[str, Feedback], _sensors: Mapping[str, Reading]) -> RarsState:
-        """Return angle, height and speeds."""
+    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> RarsState:
+        """Return angle, height, speeds and tilt."""
         steering, screw = axes[self._steering], axes[self._screw]
         left = axes[self._left].velocity * self._base.wheel_radius_m
         right = axes[self._right].velocity * self._base.wheel_radius_m
@@ -111,7 +113,11 @@ class Rars:
         if screw.received_at != NEVER_RECEIVED:
             lift = scissor.height_from_screw(self._lift, screw.position)
             turning = screw.velocity
-        return RarsState(steer, lift, turning, (left + right) / 2.0, (right - left) / self._base.rear_track_m)
+        speed, yaw_rate = (left + right) / 2.0, (right - left) / self._base.rear_track_m
+        tilt = self._governor.tilt(sensors)
+        return RarsState(
+            steer, lift, turning, speed, yaw_rate, tilt_rad=tilt, margin_m=self._governor.margin(lift, tilt)
+        )
 
     def requested(self, motion: RarsMotion, state: RarsState) -> frozenset[str]:
         """Return the groups that the motion commands to move; a base that only steers is at standstill."""
@@ -142,7 +148,9 @@ class Rars:
         top = self._top_mps * (1.0 - kept)
         speed = min(max(allowed.speed_mps, -top), top)
         turning = self._rack.turning(steered(state), allowed.steer_rad)
-        speed = self._ramp.step(commanded.speed_mps, speed, bend, elapsed, turning)
+        before = commanded.speed_mps
+        ramped = self._ramp.step(before, speed, bend, elapsed, turning)
+        speed = self._governor.ramped(before, ramped, state, bend, to_seconds(elapsed))
         height = self._next_height(commanded.lift_m, allowed, state.lift_m, to_seconds(elapsed))
         return replace(allowed, speed_mps=speed, lift_m=height, lift_rate_mps=0.0)
 

@@ -32,6 +32,10 @@ class RarsState:
     speed_mps: float
     """Actual speed of the rear axle's middle."""
     yaw_rate_rad_s: float
+    tilt_rad: tuple[float, float] | None = None
+    """Pitch, nose up, and roll, left side up; None while they are unknown, or no IMU is there."""
+    margin_m: float | None = None
+    """Of the zero-moment point inside the support at standstill, with the heaviest payload; None: unknown."""
 
 
 __getattr__ = renamed.module(__name__, __name__, Motion="RarsMotion", State="RarsState")

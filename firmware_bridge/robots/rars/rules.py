@@ -12,6 +12,7 @@ from typing import Any, Final, TypeAlias
 from firmware_bridge.motion import davis, scissor
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rars.geometry import RarsGeometry, RarsLimits
+from firmware_bridge.robots.rars.governor import Governor
 from firmware_bridge.robots.rars.kinematics import BASE, BASE_MOVES_MPS, LIFT, known, ramp_of, rolls, steered
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.safety import interlock
@@ -46,7 +47,16 @@ def _lift_unknown(view: View) -> str | None:
     return None if known(view.body.lift_m) else "the actual lift height is not known"
 
 
+def _tilt_unknown(view: View) -> str | None:
+    balance = view.geometry.balance
+    if balance is None or view.body.tilt_rad is not None:
+        return None
+    return f"its tilt is not known: no reading of '{balance.pitch}' and '{balance.roll}'"
+
+
 def _lift_extended(view: View) -> str | None:
+    if view.geometry.balance is not None and view.geometry.balance.lift_while_driving:
+        return None
     height, limit = view.body.lift_m, view.geometry.limits.lift_retracted_m
     if height is None or height <= (RETRACTED_SHARE * limit if view.was_active else limit):
         return None
@@ -88,6 +98,9 @@ INTERLOCKS: Final = (
     ),
     Interlock(
         "lift height unknown", _lift_unknown, "wait for the lift drive's position", severity=Severity.ERROR
+    ),
+    Interlock(
+        "tilt unknown", _tilt_unknown, "check the IMU, its power and its cable", severity=Severity.ERROR
     ),
     Interlock(
         "lift extended",
@@ -160,6 +173,38 @@ def clip_steer(view: View, high: float) -> tuple[RarsMotion, str | None]:
     return _clip(view.allowed, "steer_rad", high, "deg", scale=_DEGREES)
 
 
+def _margin(view: View) -> tuple[RarsMotion, str | None]:
+    """Clip the speed to what the standing margin allows, at rest and in the turn that is steered."""
+    motion = view.allowed
+    if view.geometry.balance is None or motion.speed_mps == 0.0:
+        return motion, None
+    bend = davis.curvature(view.geometry.base, steered(view.body))
+    high = Governor(view.geometry).top_speed(view.body, motion.speed_mps, bend)
+    if abs(motion.speed_mps) <= high:
+        return motion, None
+    margin = view.body.margin_m
+    stands = "" if margin is None else f", the standing margin is {1000.0 * margin:.0f} mm"
+    return replace(motion, speed_mps=math.copysign(high, motion.speed_mps)), (
+        f"requested {motion.speed_mps:.2f} m/s, allowed is {high:.2f} m/s{stands}"
+    )
+
+
+def _lift_margin(view: View) -> tuple[RarsMotion, str | None]:
+    """Clip what raises the table beyond where the robot still stands firmly; down it may always go."""
+    motion, now = view.allowed, view.body.lift_m
+    if view.geometry.balance is None:
+        return motion, None
+    highest = Governor(view.geometry).highest_lift(view.body)
+    if now is None or highest == math.inf:
+        return motion, None
+    reason = f"the table may rise to {1000.0 * max(highest, 0.0):.0f} mm here, it is at {1000.0 * now:.0f} mm"
+    if motion.lift_m is not None and motion.lift_m > max(highest, now):
+        return replace(motion, lift_m=max(min(highest, motion.lift_m), now)), reason
+    if motion.lift_rate_mps > 0.0 and now >= highest:
+        return replace(motion, lift_rate_mps=0.0), reason
+    return motion, None
+
+
 def _lift_rate(view: View, high: float) -> tuple[RarsMotion, str | None]:
     return _clip(view.allowed, "lift_rate_mps", high, "m/s")
 
@@ -217,6 +262,8 @@ def limits_by(of: Callable[[RarsGeometry], RarsLimits]) -> tuple[Limit, ...]:
             "reduce the lift rate",
         ),
         _limit("lift range limit", _lift_range, "request a height within reach"),
+        _limit("lift margin limit", _lift_margin, "lower the table, or stand on flatter floor"),
+        _limit("margin limit", _margin, "drive the other way, steer less, or lower the table"),
         _limit(
             "acceleration limit",
             lambda view: _acceleration(view, limits(view)),

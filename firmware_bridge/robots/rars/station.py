@@ -89,6 +89,10 @@ def _steer_deg(seen: Snapshot[RarsMotion, RarsState]) -> float | None:
     return None if seen.body.steer_rad is None else math.degrees(seen.body.steer_rad)
 
 
+def _margin_mm(seen: Snapshot[RarsMotion, RarsState]) -> float | None:
+    return None if seen.body.margin_m is None else 1000.0 * seen.body.margin_m
+
+
 STATION: Final[StationRows[RarsGeometry, RarsMotion, RarsState]] = StationRows(
     stick=of_stick,
     target=of_target,
@@ -123,6 +127,13 @@ STATION: Final[StationRows[RarsGeometry, RarsMotion, RarsState]] = StationRows(
     values=(
         Value("STEER", SECOND // 10, _steer_deg, "inner wheel, deg, left positive"),
         Value("ZPOS", SECOND // 5, lambda seen: seen.body.lift_m, "m above collapsed"),
+        Value(
+            "MARGIN",
+            SECOND // 5,
+            _margin_mm,
+            "mm, of the zero-moment point inside the support",
+            of=lambda robot: robot.geometry.balance is not None,
+        ),
     ),
     gauges=(
         Gauge(

@@ -81,6 +81,7 @@ ON = {
     "drive_variation": rars(),
     "serial_unplugged": SERIAL,
     **dict.fromkeys(("body_hidden", "body_shakes", "markers_swapped", "capture_late", "capture_loss"), SEEN),
+    **dict.fromkeys(("imu_frozen", "imu_axes_swapped", "imu_silent"), robot_types.find("rars+imu")),
 }
 """Robots of the kinds of fault that RARS cannot have."""
 

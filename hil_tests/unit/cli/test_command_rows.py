@@ -13,6 +13,7 @@ from emulators.arduino_omni.commands import COMMANDS as OF_BOARDS
 from emulators.cia402.commands import COMMANDS as OF_EMULATED_SERVOS
 from emulators.cli.commands import COMMANDS as OF_THE_SIMULATION
 from emulators.epos2.commands import COMMANDS as OF_EMULATED_DRIVES
+from emulators.imu.commands import COMMANDS as OF_IMUS
 from emulators.motion_capture.commands import COMMANDS as OF_CAMERAS
 from emulators.robots.commands import COMMANDS as OF_NEW_ROBOTS
 from firmware_bridge.cli import commands, program
@@ -27,6 +28,7 @@ OF_FAMILIES: Final = (
     *OF_NEW_ROBOTS,
     *OF_BOARDS,
     *OF_CAMERAS,
+    *OF_IMUS,
 )
 ROWS: Final = (*OWN, *OF_FAMILIES, *OF_THE_SIMULATION)
 EVERY: Final = {row.words: row for row in ROWS if isinstance(row, CliCommand)}

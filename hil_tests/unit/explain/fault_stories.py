@@ -35,6 +35,7 @@ NAMED, CANDIDATE, SEEN, NOTHING, SAME = "named", "candidate", "seen", "no incide
 ORDER: Final = (NAMED, CANDIDATE, SEEN, NOTHING, SAME)
 AS_IT_IS: Final = LinkOptions()
 CAMERAS: Final = ("body_hidden", "body_shakes", "markers_swapped", "capture_late", "capture_loss")
+OF_IMU: Final = ("imu_frozen", "imu_axes_swapped", "imu_silent")
 TURNING: Final = {"forward": 0.1, "turn_deg_s": 50.0}
 """All three wheels turn."""
 
@@ -54,6 +55,7 @@ class Story:
 STORIES: Final = (
     Story("CAN", "rars", {"forward": 0.2}),
     Story("CAN", "rars+cameras", {"forward": 0.2}, only=CAMERAS),
+    Story("CAN", "rars+imu", {"forward": 0.2}, only=OF_IMU),
     Story("CAN", "climber", {"forward": 0.05}, only=("grip_lost",)),
     Story("CAN", "servo_axis", {"forward": 0.1}, only=("drive_variation",)),
     Story("EPOS2 over serial", "rars", {"forward": 0.2}, LinkOptions("v2", lines=("drives",))),

@@ -127,6 +127,7 @@ LOUD = {
     "reference lost": Severity.CRITICAL,
     "steer angle unknown": Severity.ERROR,
     "lift height unknown": Severity.ERROR,
+    "tilt unknown": Severity.ERROR,
 }
 """All others are warnings."""
 

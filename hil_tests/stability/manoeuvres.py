@@ -1,0 +1,149 @@
+"""Manoeuvres that may tip RARS over: drawn by a seed, driven on the bench with the plant that tips over.
+
+It starts on the level with its lift down, and drives onto a slope while the operator moves the stick, lifts
+and stops as chance has it. Slope, its direction and the payload are the plant's; the bridge knows the slope
+by its IMU, the payload by the heaviest of the robot file.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import parse, robots
+from hil_tests.scenarios.ride import ARMED, SETTLED_S, STANDS, Ride, ride, step, story
+
+STEEPEST_RAD: Final = math.radians(25.0)
+HARD_RAD: Final = (math.radians(28.0), math.radians(30.0))
+"""Slopes of the hard ones: up to 25 degrees the robot's own limit of 0.144 g nearly always holds."""
+HEAVIEST_KG: Final = 10.0
+LASTS_S: Final = 8.0
+"""From arming on."""
+BEGINS_S: Final = 4.0
+EVERY_S: Final = 0.1
+"""The plant's slope is moved in such steps."""
+GRIPS: Final = 1.0
+BALANCE: Final = """
+[geometry.balance]
+pitch = "pitch"
+roll = "roll"
+mass_kg = 70.6
+scissor_kg = 8.0
+table_height_m = 0.5
+payload_kg = 10.0
+"""
+
+
+def robot(*, governed: bool) -> AnyRobot:
+    """RARS by set 2.3.1 with an IMU and the plant that tips over, with the governor or without it."""
+    files = robots()
+    text = files["rars"].read_text(encoding="utf-8")
+    text = text.replace('fmu = "rars"', 'fmu = "rars_tipping"')
+    text = text.replace("[geometry.lift]", "centre_offset_m = 0.141\n\n[geometry.lift]", 1)
+    imu = files["rars"].with_name("imu.toml").read_text(encoding="utf-8")
+    made = parse("\n".join((text, imu, BALANCE if governed else "")), "tipping.toml")
+    plant = made.plant.model_copy(update={"parameters": {"floor_friction": GRIPS}})
+    return made.model_copy(update={"plant": plant})
+
+
+@dataclass(frozen=True, slots=True)
+class Manoeuvre:
+    """One of them, whole."""
+
+    seed: int
+    payload_kg: float
+    slope_rad: float
+    heading_rad: float
+    """Where uphill is, from where the robot looked at its start."""
+    enters_s: float
+    within_s: float
+    """Time from the level to the whole slope."""
+    stick: tuple[tuple[float, dict[str, float | str]], ...]
+    """What the operator does, each with its instant."""
+
+
+def drawn(seed: int, *, hard: bool = False) -> Manoeuvre:
+    """Return the manoeuvre of a seed; a hard one is near the limits of tipping."""
+    chance = np.random.default_rng([seed, int(hard)])
+    steep = HARD_RAD if hard else (0.0, STEEPEST_RAD)
+    # Hard with the nose uphill: its rear wheels are near its centre of mass.
+    heading = float(chance.normal(0.0, 0.2) if hard else chance.uniform(-math.pi, math.pi))
+    return Manoeuvre(
+        seed=seed,
+        payload_kg=float(chance.uniform(0.8 if hard else 0.0, 1.0)) * HEAVIEST_KG,
+        slope_rad=float(chance.uniform(*steep)),
+        heading_rad=heading,
+        enters_s=float(chance.uniform(4.5, 6.5)),
+        within_s=float(chance.uniform(0.8, 2.0)),
+        stick=tuple(_stick(chance, hard=hard)),
+    )
+
+
+def _stick(chance: np.random.Generator, *, hard: bool) -> Iterator[tuple[float, dict[str, float | str]]]:
+    at, way = BEGINS_S, 1.0
+    while at < BEGINS_S + LASTS_S - 1.0:
+        share = chance.uniform(-1.0, 1.0)
+        # Full stick is as frequent as a draw between: hands push to the end.
+        speed = 0.5 * (math.copysign(1.0, share) if chance.random() < 0.5 else share)
+        does: dict[str, float | str] = {"speed_mps": float(speed)}
+        if chance.random() < 0.5:
+            does["steer_deg"] = float(chance.uniform(-58.0, 58.0))
+        kind = chance.random()
+        if hard and kind > 0.2:
+            # Backwards, and at once ahead: the longest push against its rear wheels.
+            way = -way
+            does = {"speed_mps": 0.5 * way, "steer_deg": 0.0}
+        elif kind < 0.15:
+            does |= {"speed_mps": 0.0, "lift_rate_mps": 0.1}
+        elif kind < 0.3:
+            does["speed_mps"] = 0.0
+        elif kind < 0.35:
+            does = {"press": "emergency_stop"}
+        yield round(at, 2), does
+        at += float(chance.uniform(0.9, 1.8) if hard else chance.uniform(0.4, 1.8))
+
+
+class Driver:
+    """Drives one manoeuvre after the other, each from the moment at which the robot has just been armed."""
+
+    def __init__(self, machine: AnyRobot) -> None:
+        self._ride: Final = ride(ARMED, seconds=2.0 * BEGINS_S, robot=machine)
+        self._ride.runs_until(SETTLED_S)
+        if self._ride.now["armed"] != 1.0:
+            raise RuntimeError(f"the robot is not armed: {sorted(self._ride.holding)}")
+        self._moment: Final = self._ride.rig.snapshot()
+
+    def tips(self, one: Manoeuvre) -> bool:
+        """Return whether the robot tips over."""
+        ridden = self._begun(one)
+        plant = ridden.rig.devices.plant
+        for name, value in (
+            ("lift_payload", one.payload_kg),
+            ("slope_heading", one.heading_rad),
+            ("slope", 0.0),
+        ):
+            plant.change(name, value)
+        for number in range(round(LASTS_S / EVERY_S)):
+            share = min(max((SETTLED_S + number * EVERY_S - one.enters_s) / one.within_s, 0.0), 1.0)
+            plant.change("slope", share * one.slope_rad)
+            ridden.runs(EVERY_S)
+            if plant.read("tipped"):
+                return True
+        return False
+
+    def finish(self) -> None:
+        """Let go of the plant."""
+        self._ride.rig.finish()
+
+    def _begun(self, one: Manoeuvre) -> Ride:
+        rig = self._ride.rig
+        rig.restore(self._moment)
+        lines = [line.wire for line in rig.lines.values()]
+        for wire in (*rig.can_wires.values(), *lines, rig.operator_wire):
+            wire.unobserved()
+        steps = (step(at, **does) for at, does in one.stick)
+        self._ride.operator.take_over(story(STANDS, ARMED, *steps, seconds=BEGINS_S + LASTS_S))
+        return self._ride

@@ -1,0 +1,127 @@
+"""RARS with an IMU and its governor does not tip over; without the governor the same manoeuvres do it."""
+
+import math
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from emulators.robots.rars import RarsStep
+from firmware_bridge.robot import AnyRobot
+from hil_tests.scenarios.ride import ARMED, SETTLED_S, Ride, fault, ride, step
+from hil_tests.stability.manoeuvres import HEAVIEST_KG, Driver, drawn, robot
+
+FEW, SOME, MANY, PART = 6, 60, 300, 20
+
+
+@pytest.fixture(scope="module")
+def governed() -> Iterator[Driver]:
+    driver = Driver(robot(governed=True))
+    yield driver
+    driver.finish()
+
+
+@pytest.fixture(scope="module")
+def free() -> Iterator[Driver]:
+    driver = Driver(robot(governed=False))
+    yield driver
+    driver.finish()
+
+
+def tipped(driver: Driver, seeds: range, *, hard: bool) -> list[int]:
+    """Return the seeds of the manoeuvres in which it tips over."""
+    return [seed for seed in seeds if driver.tips(drawn(seed, hard=hard))]
+
+
+def test_what_tips_without_the_governor_does_not_with_it(governed: Driver, free: Driver) -> None:
+    over = tipped(free, range(FEW), hard=True)
+    assert over
+    assert [seed for seed in over if governed.tips(drawn(seed, hard=True))] == []
+
+
+@pytest.mark.long(beside="test_what_tips_without_the_governor_does_not_with_it")
+@pytest.mark.parametrize("first", range(FEW, FEW + SOME, PART))
+def test_of_the_hard_ones_more_than_a_fifth_tip_without_it_and_none_with_it(
+    governed: Driver, free: Driver, first: int
+) -> None:
+    assert len(tipped(free, range(first, first + PART), hard=True)) > PART / 5
+    assert tipped(governed, range(first, first + PART), hard=True) == []
+
+
+@pytest.mark.long(beside="test_what_tips_without_the_governor_does_not_with_it")
+@pytest.mark.parametrize("first", range(0, MANY, PART))
+def test_manoeuvres_on_slopes_up_to_25_degrees_tip_nothing(governed: Driver, first: int) -> None:
+    assert tipped(governed, range(first, first + PART), hard=False) == []
+
+
+@pytest.fixture
+def on_slope() -> Iterator[Callable[..., Ride]]:
+    opened: list[Ride] = []
+
+    def begin(machine: AnyRobot, degrees: float, *steps: RarsStep, payload_kg: float = HEAVIEST_KG) -> Ride:
+        one = ride(ARMED, *steps, seconds=20.0, robot=machine)
+        opened.append(one)
+        one.runs_until(SETTLED_S)
+        plant = one.rig.devices.plant
+        plant.change("lift_payload", payload_kg)
+        # Slowly: its drives hold their speed, and the floor turns up under it.
+        for share in range(1, 601):
+            plant.change("slope", share / 600.0 * math.radians(degrees))
+            one.runs(0.01)
+        return one
+
+    yield begin
+    for one in opened:
+        one.rig.finish()
+
+
+def test_on_the_level_the_governor_takes_nothing(on_slope: Callable[..., Ride]) -> None:
+    drives = (step(11.0, speed_mps=0.5), step(13.0, speed_mps=-0.5), step(15.0, radius_m=1.0))
+    one = on_slope(robot(governed=True), 0.0, *drives)
+    one.runs_until(17.0)
+    assert one.fastest(11.0, 17.0) > 0.49
+    assert not {"margin limit", "lift margin limit", "tilt unknown"} & one.held_between(4.0, 17.0)
+
+
+def test_ten_kilograms_climb_fifteen_degrees(on_slope: Callable[..., Ride]) -> None:
+    one = on_slope(robot(governed=True), 15.0, step(11.0, speed_mps=0.5))
+    one.runs_until(15.0)
+    assert one.now["speed_mps"] == pytest.approx(0.48, abs=0.03)
+    assert one.rig.devices.plant.read("zmp_margin") > 0.05
+
+
+def test_ten_kilograms_on_thirty_degrees_stand_do_not_climb_and_back_down(
+    on_slope: Callable[..., Ride],
+) -> None:
+    drives = (step(11.0, speed_mps=0.3), step(13.5, speed_mps=-0.3), step(18.0, speed_mps=0.0))
+    one = on_slope(robot(governed=True), 30.0, *drives)
+    one.runs_until(13.4)
+    climbed = one.now["x_m"]
+    assert one.fastest(11.5, 13.4) < 0.005
+    assert "margin limit" in one.held_between(11.0, 11.2)
+    one.runs_until(17.9)
+    assert one.now["x_m"] < climbed - 0.02
+    assert -0.10 < one.now["speed_mps"] < -0.005
+    one.runs_until(19.5)
+    assert abs(one.now["speed_mps"]) < 0.005
+    assert one.rig.devices.plant.read("tipped") == 0.0
+
+
+def test_the_table_rises_no_further_than_the_slope_lets_it(on_slope: Callable[..., Ride]) -> None:
+    one = on_slope(robot(governed=True), 24.0, step(11.0, lift_rate_mps=0.1), payload_kg=0.5)
+    one.runs_until(19.5)
+    # (0.141 m - 10 mm - z tan 1 deg) / tan 24 deg is where the heaviest payload's centre of mass may be.
+    assert one.now["lift_m"] == pytest.approx(0.325, abs=0.01)
+    margin = one.rig.bridge.seen.body.margin_m
+    assert 0.010 < margin < 0.020
+    # The plant's payload is lighter than the heaviest.
+    assert one.rig.devices.plant.read("zmp_margin") > margin
+
+
+def test_without_the_imu_it_does_not_move(on_slope: Callable[..., Ride]) -> None:
+    one = on_slope(robot(governed=True), 10.0, step(11.0, speed_mps=0.3))
+    one.runs_until(12.0)
+    assert one.now["speed_mps"] > 0.2
+    one.rig.faults.plan([fault("imu_silent", 12.0)])
+    one.runs_until(13.5)
+    assert "tilt unknown" in one.holding
+    assert abs(one.now["speed_mps"]) < 0.005
