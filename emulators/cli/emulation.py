@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib import import_module
 from typing import TYPE_CHECKING, Final, Protocol, TypeVar
 
 from typer.core import TyperCommand
@@ -86,6 +87,7 @@ def run(given: RunOptions, emulation: Emulation) -> None:
         # Before the ports: a host that has opened one must not wait for it.
         live = None if emulation.live is None or not needed else emulation.live()
         if live is not None:
+            _loaded(page=page, plots=plots is not None)
             _planned(live, faults, reports)
         with one_message(PortError):
             openers, where = emulation.opened()
@@ -103,6 +105,15 @@ def run(given: RunOptions, emulation: Emulation) -> None:
         )
     if emulation.ended is not None:
         say(emulation.ended())
+
+
+def _loaded(*, page: bool, plots: bool) -> None:
+    """Load what will stand around the devices before their ports are opened: no host waits for it then."""
+    modules = ["emulators.control.desk"]
+    modules += ["emulators.live.devices", "firmware_bridge.cli.live_page"] if page else []
+    modules += ["emulators.live.plot_values"] if plots else []
+    for name in modules:
+        import_module(name)
 
 
 def _planned(live: "Live", faults: Sequence[str], report: Callable[[str], None]) -> None:
@@ -123,11 +134,11 @@ def _plotted(
     node: Node, openers: "Openers", live: "Live | None", place: str | None
 ) -> "tuple[Node, Openers]":
     """Put what sends the devices' values around a node, and its port beside the others."""
+    if live is None or place is None:
+        return node, openers
     from emulators.live.plot_values import of_devices
     from firmware_bridge.cli.plot_option import plotted
 
-    if live is None or place is None:
-        return node, openers
     found = dict(openers)
     return plotted(node, place, found, of_devices(live)), found
 
