@@ -68,8 +68,11 @@ def frames_recorded(rig: Rig, path: Path | None) -> Iterator[None]:
         writer = CanFileWriter(file, path, tuple(rig.can_wires))
         for link, wire in rig.can_wires.items():
             wire.observe(_frames_written(writer, link))
-        yield
-        writer.finish()
+        try:
+            yield
+        finally:
+            # A run that fails is the one whose frames are wanted.
+            writer.finish()
 
 
 def _frames_written(writer: "CanFileWriter", link: str) -> Observer:

@@ -37,7 +37,7 @@ class FaultsOptions:
         str | None,
         typer.Argument(
             metavar="ROBOT|DEVICE",
-            help="An installed robot, or the path of a robot file; or a device: board, epos2.",
+            help="An installed robot, or the path of a robot file; or a device: board, epos2, cia402.",
             show_default=False,
             autocompletion=names,
         ),

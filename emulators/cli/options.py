@@ -29,6 +29,18 @@ RunFileOption = Annotated[
         show_default=False,
     ),
 ]
+LineOption = Annotated[
+    str,
+    typer.Option(metavar="pty|DEVICE", help="On a pseudo-terminal of this machine, or on a serial device."),
+]
+LineLinkOption = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="PATH",
+        help="With --serial pty: a symbolic link to it, so that its name is always the same.",
+        show_default=False,
+    ),
+]
 SerialOption = Annotated[
     str | None,
     typer.Option(

@@ -1,5 +1,6 @@
 """Faults of an IMU: values that stay, axes that are exchanged, no frames."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import ClassVar
 
@@ -12,7 +13,7 @@ from firmware_bridge.families.imu.settings import ImuLink
 from firmware_bridge.robot import AnyRobot
 
 
-class _OfImu(Lasting):
+class _OfImu(Lasting, ABC):
     among: ClassVar = Stations.NONE
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
@@ -34,9 +35,9 @@ class _OfImu(Lasting):
             self.of(imu, on=on)
 
     @staticmethod
+    @abstractmethod
     def of(imu: Imu, *, on: bool) -> None:
         """Put it on one IMU, or take it off."""
-        raise NotImplementedError
 
 
 class ImuFrozen(_OfImu):

@@ -13,7 +13,7 @@ from emulators.live.plot_values import of_devices
 from firmware_bridge.canopen.cia402 import STATES
 from firmware_bridge.dissector.bus_picture import BusPicture
 from firmware_bridge.explain.explainer import BusExplainer, Setup
-from firmware_bridge.live.bus import LiveBus
+from firmware_bridge.live.bus import LiveBus, known, news
 from firmware_bridge.live.messages import VERSION
 from firmware_bridge.live.page_node import PageError, PageNode
 from firmware_bridge.live.state import Json, axes_of
@@ -105,12 +105,11 @@ class LiveDevices(PageNode):
             }
 
     def _known(self) -> Iterable[Json]:
-        return [bus.known() for bus in self._buses.values()][:1]
+        return (known(self._buses.values()),)
 
     def _news(self, now: Nanoseconds) -> Iterable[Json]:
         del now
-        for bus in self._buses.values():
-            yield from bus.news()
+        yield from news(self._buses.values())
 
     def _do(self, name: str, request: Json, now: Nanoseconds) -> tuple[Reaction, Json]:
         if name == "watch_frames":

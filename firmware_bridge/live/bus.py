@@ -1,7 +1,7 @@
 """One CAN bus on the live page: its nodes, its frames in words, the incidents on it."""
 
 from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, Final, Protocol
 
 from firmware_bridge.canopen import objects as od
@@ -81,6 +81,20 @@ def incidents(found: Iterable[Incident]) -> list[Json]:
     return sorted(shown, key=lambda one: float(str(one["at_s"])))
 
 
+def known(buses: Collection["LiveBus"]) -> Json:
+    """Return all incidents on some buses, which replace those that the page has."""
+    return {"kind": "incidents", "incidents": incidents(one for bus in buses for one in bus.found)}
+
+
+def news(buses: Collection["LiveBus"]) -> Iterable[Json]:
+    """Return the frames and incidents on some buses that are new."""
+    if frames := [frame for bus in buses for frame in bus.frames()]:
+        yield {"kind": "frames", "frames": frames}
+    # Each bus is looked at, whatever the one before has found.
+    if sum(bus.finds() for bus in buses):
+        yield known(buses)
+
+
 class LiveBus:
     """What a page shows of a bus; its picture is the caller's."""
 
@@ -109,19 +123,21 @@ class LiveBus:
         self._new.clear()
         return {}
 
-    def news(self) -> Iterable[Json]:
-        """Return the frames and incidents that are new."""
-        if self._new:
-            yield {"kind": "frames", "frames": list(self._new)}
-            self._new.clear()
-        found = self._explainer.found
-        if len(found) != self._count:
-            self._count = len(found)
-            yield self.known()
+    @property
+    def found(self) -> Sequence[Incident]:
+        """The incidents so far."""
+        return self._explainer.found
 
-    def known(self) -> Json:
-        """Return all incidents."""
-        return {"kind": "incidents", "incidents": incidents(self._explainer.found)}
+    def frames(self) -> list[list[Any]]:
+        """Return the frames that are new."""
+        taken = list(self._new)
+        self._new.clear()
+        return taken
+
+    def finds(self) -> bool:
+        """Return whether there are more incidents, or fewer, than at the last call."""
+        before, self._count = self._count, len(self.found)
+        return self._count != before
 
     @property
     def nodes(self) -> list[Json]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Final
 
-from firmware_bridge.live.bus import LiveBus
+from firmware_bridge.live.bus import LiveBus, known, news
 from firmware_bridge.live.messages import VERSION
 from firmware_bridge.live.page_node import PageError, PageNode
 from firmware_bridge.live.state import Json
@@ -42,7 +42,7 @@ class LiveMonitor(PageNode):
         return {"kind": "state", "at_s": to_seconds(now), "paused": False, "speed": 1.0, **self._bus.state()}
 
     def _known(self) -> Iterable[Json]:
-        return (self._bus.known(),)
+        return (known((self._bus,)),)
 
     def _news(self, now: Nanoseconds) -> Iterable[Json]:
         del now
@@ -50,7 +50,7 @@ class LiveMonitor(PageNode):
         if len(nodes) != self._nodes:
             self._nodes = len(nodes)
             yield self._hello()
-        yield from self._bus.news()
+        yield from news((self._bus,))
 
     def _do(self, name: str, request: Json, now: Nanoseconds) -> tuple[Reaction, Json]:
         if name != "watch_frames":

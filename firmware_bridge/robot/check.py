@@ -4,12 +4,14 @@ The check reads the raw tables, so that these mistakes are reported together wit
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import get_args
 
 from firmware_bridge.family import families, unloadable
 from firmware_bridge.robot import raw
 from firmware_bridge.robot.family_tables import Kind, table_of, words
 from firmware_bridge.robot.problems import Problem, near, nearest
 from firmware_bridge.robot.raw import Raw
+from firmware_bridge.robot.table import Names, Table
 
 
 def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
@@ -97,6 +99,25 @@ def _roles(axes: list[Raw], roles: Mapping[str, str]) -> Iterator[Problem]:
             yield Problem(key, f"the role '{role}' is taken by axes[{given.index(role)}], too{free}")
     for role in missing:
         yield Problem("axes", f"no axis has the role '{role}', which the group '{roles[role]}' needs")
+
+
+def sensors_named(geometry: type[Table], table: Raw) -> Iterator[Problem]:
+    """Yield the keys of the geometry that name a sensor which is not there."""
+    sensors = [str(row.get("name")) for row in raw.rows(table, "sensors")]
+    for key, name in _names(geometry, raw.within(table, "geometry"), "geometry"):
+        if name not in sensors:
+            yield Problem(key, f"no sensor '{name}'; {near(name, sensors)}")
+
+
+def _names(model: type[Table], table: Raw, place: str) -> Iterator[tuple[str, str]]:
+    """Yield each key of a table, and of those within, that names a sensor, with the name."""
+    for key, field in model.model_fields.items():
+        value, here = table.get(key), f"{place}.{key}"
+        if Names.SENSOR in field.metadata and isinstance(value, str):
+            yield here, value
+        for inner in (field.annotation, *get_args(field.annotation)):
+            if isinstance(inner, type) and issubclass(inner, Table) and isinstance(value, dict):
+                yield from _names(inner, value, here)
 
 
 def _battery(table: Raw, rows: list[Raw]) -> Iterator[Problem]:

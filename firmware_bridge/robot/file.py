@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from firmware_bridge.renamed import with_new_keys
-from firmware_bridge.robot.check import cross_checked
+from firmware_bridge.robot.check import cross_checked, sensors_named
 from firmware_bridge.robot.model import Robot
 from firmware_bridge.robot.problems import Problem, RobotFileError, problems_of
 from firmware_bridge.robot.table import Table
@@ -59,7 +59,7 @@ def robot_of(
     table = with_new_keys(table, file, geometry.model_fields)
     roles = {role: group for group, members in groups.items() for role in sorted(members)}
     model = Robot[geometry]  # type: ignore[valid-type] # mypy takes no class from a variable, pydantic does
-    problems = [*cross_checked(table, roles), *more]
+    problems = [*cross_checked(table, roles), *sensors_named(geometry, table), *more]
     try:
         robot: Robot[G] = model.model_validate(table)
     except ValidationError as error:

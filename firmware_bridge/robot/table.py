@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from enum import StrEnum
+from enum import Enum, StrEnum
 from typing import Annotated, Any, ClassVar, Protocol, Self
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -23,6 +23,16 @@ class Table(BaseModel):
 
     # Strict: "0.1" is no number, so that a value with quotes is reported and not guessed.
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, str_strip_whitespace=True)
+
+
+class Names(Enum):
+    """What a key's text names."""
+
+    SENSOR = "sensor"
+
+
+SensorName = Annotated[str, Names.SENSOR]
+"""The name of one of the robot's sensors; it is checked that there is one."""
 
 
 class HasSettings(Protocol):

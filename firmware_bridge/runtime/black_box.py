@@ -58,6 +58,17 @@ class BlackBoxError(Exception):
     """A folder that cannot be made: which, why, and what to do."""
 
 
+def new_file(path: Path) -> BinaryIO:
+    """Make the file of a recording before its run, so that what cannot be made is refused at the start."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path.open("xb")
+    except OSError as error:
+        raise BlackBoxError(
+            f"cannot record in {path}: {error.strerror}; name a new file that can be written"
+        ) from error
+
+
 class BlackBox:
     """One run's recording. `note` and `report` never wait and never fail."""
 

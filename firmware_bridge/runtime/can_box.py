@@ -11,7 +11,7 @@ from typing import Final, Self, TypeAlias
 
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import Direction
-from firmware_bridge.runtime.black_box import CAN_LOG, BlackBoxError
+from firmware_bridge.runtime.black_box import CAN_LOG, new_file
 from firmware_bridge.runtime.can_file_writer import CanFileWriter
 from firmware_bridge.runtime.disk_thread import DiskThread
 from firmware_bridge.units import Nanoseconds
@@ -27,14 +27,7 @@ class CanBox:
 
         `files` gives the file that each link has in the folder of a black box, and so the link's kind.
         """
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            # Opened before the run, so that a file that cannot be written is refused at the start.
-            self._file = path.open("xb")
-        except OSError as error:
-            raise BlackBoxError(
-                f"cannot record in {path}: {error.strerror}; name a new file that can be written"
-            ) from error
+        self._file = new_file(path)
         self.path: Final = path
         self._say: Final = say
         self._buses: Final = tuple(link for link, name in files.items() if name == CAN_LOG)

@@ -17,7 +17,7 @@ from firmware_bridge.mcap_file.writer import RecordingWriter
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import Direction
-from firmware_bridge.runtime.black_box import CAN_LOG, SERIAL_LOG, BlackBoxError
+from firmware_bridge.runtime.black_box import CAN_LOG, SERIAL_LOG, new_file
 from firmware_bridge.runtime.disk_thread import DiskThread
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.units import Nanoseconds
@@ -45,14 +45,7 @@ class McapBox:
         `files` gives the file that each link has in the folder of a black box, and so the link's kind;
         `called` and `known` are as there. `watch` shows the bridge where one runs here.
         """
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            # Opened before the run, so that a file that cannot be written is refused at the start.
-            self._file = path.open("xb")
-        except OSError as error:
-            raise BlackBoxError(
-                f"cannot record in {path}: {error.strerror}; name a new file that can be written"
-            ) from error
+        self._file = new_file(path)
         self.path: Final = path
         self._say: Final = say
         self._files: Final = dict(files)

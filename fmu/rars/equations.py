@@ -3,14 +3,14 @@
 [R] is A. P. Das, PhD thesis, IIT Delhi, 2018; the same equations in mathematical writing: README.md.
 """
 
-from fmu.export.model import Expression, Input, Model, Output
-from fmu.parts.battery import terminal_voltage
+from fmu.export.model import Input, Model, Output
 from fmu.parts.motor import Shaft
-from fmu.parts.symbols import inner, symbol
+from fmu.parts.symbols import inner
 from fmu.rars import interface
 from fmu.rars.lift import Lift
 from fmu.rars.parameters import PARAMETERS
-from fmu.rars.platform import LEFT, RIGHT, Platform
+from fmu.rars.platform import Platform
+from fmu.rars.readings import readings_of
 from fmu.rars.steering import Steering
 from fmu.rars.symbols import P
 
@@ -42,23 +42,7 @@ def model() -> Model:
         *platform.states(),
     )
     energy = sum(shaft.energy() for shaft in shafts) + platform.energy() + steering.energy() + lift.energy()
-    readings: dict[str, tuple[Expression, str]] = {
-        "x": (symbol("x"), "rear axle's middle, world x"),
-        "y": (symbol("y"), "rear axle's middle, world y"),
-        "heading": (symbol("heading"), "heading, counter-clockwise from world x"),
-        "speed": (platform.body.speed, "speed of the rear axle's middle, forwards"),
-        "yaw_rate": (platform.body.yaw_rate, "yaw rate, counter-clockwise"),
-        "rack": (steering.rack, "rack, positive steers left"),
-        "steer_left": (steering.angle(LEFT), "left front wheel's angle, positive to the left"),
-        "steer_right": (steering.angle(RIGHT), "right front wheel's angle, positive to the left"),
-        "steer": (steering.inner_angle(), "inner front wheel's angle, positive to the left"),
-        "lift_height": (lift.height, "lift above its collapsed height"),
-        "battery_voltage": (terminal_voltage(shafts, P), "battery's terminal voltage"),
-    }
-    for shaft in shafts:
-        readings[f"current_{shaft.axis}"] = (shaft.current, f"motor current, {shaft.axis}")
-        readings[f"angle_{shaft.axis}"] = (shaft.angle, f"motor shaft's angle, {shaft.axis}")
-        readings[f"speed_{shaft.axis}"] = (shaft.speed, f"motor shaft's speed, {shaft.axis}")
+    readings = readings_of(platform.body, steering, lift, shafts)
     outputs = [
         Output(name, unit, readings[name][1], readings[name][0], NOMINAL[unit], least=LEAST.get(name))
         for name, unit in interface.OUTPUTS.items()

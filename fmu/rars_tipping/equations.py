@@ -5,13 +5,12 @@
 
 from typing import Final
 
-from fmu.export.model import Expression, Input, Model, Output
-from fmu.parts.battery import terminal_voltage
+from fmu.export.model import Input, Model, Output
 from fmu.parts.motor import Shaft
-from fmu.parts.symbols import inner, symbol
+from fmu.parts.symbols import inner
 from fmu.rars.equations import LEAST, NOMINAL
 from fmu.rars.lift import Lift
-from fmu.rars.platform import LEFT, RIGHT
+from fmu.rars.readings import Readings, readings_of
 from fmu.rars.steering import Steering
 from fmu.rars_tipping import interface
 from fmu.rars_tipping.parameters import PARAMETERS
@@ -36,7 +35,7 @@ def model() -> Model:
         *platform.states(),
     )
     energy = sum(shaft.energy() for shaft in shafts) + platform.energy() + steering.energy() + lift.energy()
-    readings = _driving(platform, steering, lift, shafts) | _standing(platform)
+    readings = readings_of(platform.body, steering, lift, shafts) | _standing(platform)
     local = [shaft.dry_friction() for shaft in shafts]
     for tyre in platform.tyres().values():
         local += [row for row in tyre.readings() if row.name not in readings]
@@ -58,9 +57,6 @@ def model() -> Model:
     )
 
 
-Readings = dict[str, tuple[Expression, str]]
-
-
 def _outputs(readings: Readings) -> tuple[Output, ...]:
     return tuple(
         Output(
@@ -74,30 +70,6 @@ def _outputs(readings: Readings) -> tuple[Output, ...]:
         )
         for name, unit in interface.OUTPUTS.items()
     )
-
-
-def _driving(
-    platform: TippingPlatform, steering: Steering, lift: Lift, shafts: tuple[Shaft, ...]
-) -> Readings:
-    """Return the readings of fmu/rars."""
-    readings: Readings = {
-        "x": (symbol("x"), "rear axle's middle, world x"),
-        "y": (symbol("y"), "rear axle's middle, world y"),
-        "heading": (symbol("heading"), "heading, counter-clockwise from world x"),
-        "speed": (platform.body.speed, "speed of the rear axle's middle, forwards"),
-        "yaw_rate": (platform.body.yaw_rate, "yaw rate, counter-clockwise"),
-        "rack": (steering.rack, "rack, positive steers left"),
-        "steer_left": (steering.angle(LEFT), "left front wheel's angle, positive to the left"),
-        "steer_right": (steering.angle(RIGHT), "right front wheel's angle, positive to the left"),
-        "steer": (steering.inner_angle(), "inner front wheel's angle, positive to the left"),
-        "lift_height": (lift.height, "lift above its collapsed height"),
-        "battery_voltage": (terminal_voltage(shafts, P), "battery's terminal voltage"),
-    }
-    for shaft in shafts:
-        readings[f"current_{shaft.axis}"] = (shaft.current, f"motor current, {shaft.axis}")
-        readings[f"angle_{shaft.axis}"] = (shaft.angle, f"motor shaft's angle, {shaft.axis}")
-        readings[f"speed_{shaft.axis}"] = (shaft.speed, f"motor shaft's speed, {shaft.axis}")
-    return readings
 
 
 def _standing(platform: TippingPlatform) -> Readings:

@@ -8,11 +8,13 @@ import pytest
 
 from emulators.bench import mission
 from emulators.bench.bench_setup import bench_setup_of
+from emulators.rig import Rig
 from emulators.run import RunOrder, drive
 from firmware_bridge.cli.program import main
 from firmware_bridge.recording import parse_candump
 from firmware_bridge.robot_types import find
 from firmware_bridge.runtime.can_files import FROM_ITS_BEGIN, OF_FRAMES, frames
+from firmware_bridge.units import Nanoseconds
 from hil_tests.unit.mcap_file.recorded_run import CRAWL
 
 
@@ -130,3 +132,19 @@ def test_a_robot_on_lines_is_refused_before_it_drives(
     assert status == 2
     assert "a name that ends in .mcap, or a folder, has lines" in err
     assert sorted(tmp_path.iterdir()) == []
+
+
+def test_a_run_that_fails_leaves_the_frames_before(tmp_path: Path) -> None:
+    robot = find("rars")
+    setup = bench_setup_of(robot)
+    script = mission.parse(CRAWL, "crawl", robot, setup)
+    path = tmp_path / "crawl.blf"
+    order = RunOrder(robot, setup, "crawl", script, 3, tmp_path / "crawl", record=path)
+
+    def fails(rig: Rig, _end: Nanoseconds, _progress: object) -> None:
+        rig.runs(1.0)
+        raise RuntimeError("the plant has failed")
+
+    with pytest.raises(RuntimeError, match="the plant has failed"):
+        drive(order, lambda _now: None, fails)
+    assert len(list(frames(path))) > 10

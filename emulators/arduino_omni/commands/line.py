@@ -1,11 +1,11 @@
 """The serial line of one emulated board: its options, and what opens it."""
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from emulators.cli.options import LineLinkOption, LineOption
 from firmware_bridge.cli.console import refusal
 from firmware_bridge.node import SERIAL
 
@@ -17,20 +17,8 @@ if TYPE_CHECKING:
 class LineOptions:
     """Options of a board's serial line."""
 
-    serial: Annotated[
-        str,
-        typer.Option(
-            metavar="pty|DEVICE", help="On a pseudo-terminal of this machine, or on a serial device."
-        ),
-    ] = "pty"
-    serial_link: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="PATH",
-            help="With --serial pty: a symbolic link to it, so that its name is always the same.",
-            show_default=False,
-        ),
-    ] = None
+    serial: LineOption = "pty"
+    serial_link: LineLinkOption = None
     reset_on_open: Annotated[
         bool,
         typer.Option(

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 from math import radians
-from pathlib import Path
 from typing import Annotated, Final
 
 import typer
 
 from emulators.cli.emulation import Emulation, emulating
+from emulators.cli.options import LineLinkOption, LineOption
 from firmware_bridge.cli.options import DurationOption
 from firmware_bridge.node import SERIAL
 
@@ -28,20 +28,8 @@ class ImuOptions:
     and the biases of a cheap part. The protocol is in docs/imu.md. Ends on Ctrl-C.
     """
 
-    serial: Annotated[
-        str,
-        typer.Option(
-            metavar="pty|DEVICE", help="On a pseudo-terminal of this machine, or on a serial device."
-        ),
-    ] = "pty"
-    serial_link: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="PATH",
-            help="With --serial pty: a symbolic link to it, so that its name is always the same.",
-            show_default=False,
-        ),
-    ] = None
+    serial: LineOption = "pty"
+    serial_link: LineLinkOption = None
     baud: Annotated[
         int, typer.Option(min=38_400, max=1_000_000, metavar="BAUD", help="Bit rate of the line, bit/s.")
     ] = 115_200

@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from firmware_bridge import renamed
 from firmware_bridge.differential import geometry
 from firmware_bridge.motion.differential import DifferentialBase
-from firmware_bridge.robot.table import Finite, Positive, Table
+from firmware_bridge.robot.table import Finite, Positive, SensorName, Table
 
 GRAVITY: Final = 9.81
 
@@ -58,7 +58,7 @@ class Joint(Table):
 
     side: Literal["left", "right"] = "left"
     """The half that it moves, in [C] the left one; axle and caster of the other are fixed in the chassis."""
-    sensor: str
+    sensor: SensorName
     """The name of the sensor that measures it, in rad."""
     rest: Finite
     """The sensor's reading where the joint is flat, rad."""
@@ -106,7 +106,7 @@ class Joint(Table):
 class Wall(Table):
     """The adhesion of the robot to the tank, and the cable that hangs from it."""
 
-    sensor: str
+    sensor: SensorName
     """The name of the sensor that measures the share of its magnets on the wall."""
     wheel_n: Positive
     """Pull-off force of a wheel's magnet."""

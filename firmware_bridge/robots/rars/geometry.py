@@ -8,7 +8,7 @@ from pydantic import Field
 from firmware_bridge import renamed
 from firmware_bridge.motion.davis import DavisBase, steer_from_curvature
 from firmware_bridge.motion.scissor import ScissorLift
-from firmware_bridge.robot.table import NonNegative, Positive, Table
+from firmware_bridge.robot.table import NonNegative, Positive, SensorName, Table
 from firmware_bridge.units import STANDARD_GRAVITY
 
 
@@ -53,9 +53,9 @@ class Balance(Table):
     over the floor, z = (m z_0 + m_s (h - h_0) / 2 + m_p h) / (m + m_p).
     """
 
-    pitch: str
+    pitch: SensorName
     """The name of the sensor of its pitch, rad, positive with the nose up."""
-    roll: str
+    roll: SensorName
     """The name of the sensor of its roll, rad, positive with the left side up."""
     mass_kg: Positive
     """Without payload."""

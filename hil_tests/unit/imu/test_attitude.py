@@ -157,6 +157,13 @@ def test_a_restart_takes_the_accelerometer_again_and_keeps_the_bias_whatever_mov
     assert filtered.pitch == pytest.approx(0.2, abs=1e-3)
 
 
+def test_between_opposite_directions_there_is_none_and_it_goes_on() -> None:
+    filtered = Attitude(CONSTANT_S)
+    filtered.step(UP, REST, DT)
+    filtered.step(times(UP, -1.0), REST, DT)
+    assert filtered.up == (0.0, 0.0, 1.0)
+
+
 def test_no_force_is_no_direction() -> None:
     filtered = Attitude(CONSTANT_S)
     filtered.step(REST, REST, DT)

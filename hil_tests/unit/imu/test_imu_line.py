@@ -3,11 +3,14 @@
 import math
 
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 from firmware_bridge.drivers.link_drivers import LinkDrivers
+from firmware_bridge.families.imu.driver.axes import length
 from firmware_bridge.families.imu.driver.link_drivers import imu_link_drivers
 from firmware_bridge.families.imu.driver.plausibility import BEYOND_MS, STUCK
-from firmware_bridge.families.imu.wire import Status
+from firmware_bridge.families.imu.wire import WRAP_MS, ImuFrame, Status, encoded
 from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import find
@@ -50,6 +53,32 @@ def test_a_reading_s_time_is_the_sample_s() -> None:
     reading = line.quantities["pitch"].reading  # type: ignore[index] # a StrEnum is its text
     assert reading is not None
     assert (reading.sampled_at, reading.received_at) == (line.now - 12 * MILLISECOND, line.now)
+
+
+COUNTS = st.integers(-0x8000, 0x7FFF)
+ENDS = st.sampled_from((-0x8000, -G, 0, G, 0x7FFF))
+TRIPLES = st.tuples(ENDS, ENDS, ENDS) | st.tuples(COUNTS, COUNTS, COUNTS)
+LIES = st.lists(
+    st.tuples(TRIPLES, TRIPLES, st.integers(0, 7), st.sampled_from((0, 1, 10, 100, 101, -1))), max_size=30
+)
+
+
+@given(LIES, st.sampled_from((0, SETTLED)))
+@example([((0, 0, G), (0, 0, 0), 0, 10), ((0, 0, -G), (0, 0, 0), 0, 10)], 0)
+@example([((0, 0, 0), (0, 0, 0), 0, 10), ((0, 0, 0), (0, 0, 0), 0, 10)], 0)
+def test_whatever_a_device_sends_there_are_finite_readings_or_none(
+    lies: list[tuple[tuple[int, int, int], tuple[int, int, int], int, int]],
+    honest: int,
+) -> None:
+    line, stamp = Line(), 10_000
+    line.frames(honest)
+    for sequence, (force, rate, status, later) in enumerate(lies):
+        stamp = (stamp + later) % WRAP_MS
+        frame = ImuFrame(sequence, status, stamp, force, rate)
+        line.link.receive(Packet(LINK, 0, encoded(frame)), line.now)
+        for one in line.quantities.values():
+            assert one.reading is None or math.isfinite(one.reading.value)
+        assert math.isclose(length(line.link.attitude.up), 1.0, rel_tol=1e-6)
 
 
 def test_a_bias_of_the_robot_file_is_subtracted() -> None:

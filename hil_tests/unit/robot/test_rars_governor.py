@@ -1,6 +1,8 @@
 """RARS's governor: what it allows on the level, uphill, downhill and across, by the thesis's figures."""
 
+import json
 import math
+import re
 from dataclasses import replace
 
 import pytest
@@ -10,7 +12,8 @@ from hypothesis import strategies as st
 from emulators.robots.rars.cases import BALANCE, WELL
 from firmware_bridge.drivers.driver import Reading
 from firmware_bridge.motion.standing import Standing
-from firmware_bridge.robot_types import find
+from firmware_bridge.robot import RobotFileError
+from firmware_bridge.robot_types import find, parse, robots
 from firmware_bridge.robots.rars.geometry import RarsGeometry
 from firmware_bridge.robots.rars.governor import BRAKES, SAFE_SHARE, Governor
 from firmware_bridge.robots.rars.motion import RarsState
@@ -27,6 +30,23 @@ def geometry(balance: object = EXACT) -> RarsGeometry:
 
 def tilted(pitch_deg: float, roll_deg: float = 0.0, lift_m: float = 0.0) -> RarsState:
     return replace(WELL, tilt_rad=(math.radians(pitch_deg), math.radians(roll_deg)), lift_m=lift_m)
+
+
+@pytest.mark.parametrize(
+    ("table", "reported"),
+    [
+        ("pitch", "geometry.balance.pitch: no sensor 'pitc'; perhaps 'pitch'?"),
+        ("roll", "geometry.balance.roll: no sensor 'pitc'; perhaps 'pitch'?"),
+    ],
+)
+def test_a_sensor_that_is_not_there_is_reported_by_its_key(table: str, reported: str) -> None:
+    file = robots()["rars"]
+    rars, imu = (file.with_name(f"{name}.toml").read_text(encoding="utf-8") for name in ("rars", "imu"))
+    names = {"pitch": "pitch", "roll": "roll", table: "pitc"}
+    balance = EXACT.model_dump() | names
+    rows = "\n".join(f"{key} = {json.dumps(value)}" for key, value in balance.items())
+    with pytest.raises(RobotFileError, match=re.escape(reported)):
+        parse(f"{rars}\n{imu}\n[geometry.balance]\n{rows}\n", "mine.toml")
 
 
 def test_without_its_table_it_changes_nothing() -> None:

@@ -29,6 +29,8 @@ TURNS_RAD_S: Final = math.radians(3.0)
 """Rate about the upward direction above which the robot turns."""
 IN_TURNS: Final = 0.1
 """Share of the accelerometer in a turn."""
+NO_DIRECTION: Final = 1e-9
+"""A sum of directions that is shorter has none."""
 UPWARDS: Final[Vector] = (0.0, 0.0, 1.0)
 
 
@@ -88,7 +90,9 @@ class Attitude:
         self._frames += 1
         share = self._share(force, turned, seconds)
         if share > 0.0:
-            self.up = unit(plus(self.up, share, plus(unit(force), -1.0, self.up)))
+            between = plus(self.up, share, plus(unit(force), -1.0, self.up))
+            # Between two opposite directions there is none: a device that lies ends no bridge.
+            self.up = unit(between) if length(between) > NO_DIRECTION else self.up
         if self.phase is not Phase.READY:
             self._settle(rate)
 
