@@ -134,11 +134,12 @@ def test_a_robot_on_lines_is_refused_before_it_drives(
     assert sorted(tmp_path.iterdir()) == []
 
 
-def test_a_run_that_fails_leaves_the_frames_before(tmp_path: Path) -> None:
+@pytest.mark.parametrize("suffix", OF_FRAMES)
+def test_a_run_that_fails_leaves_the_frames_before(tmp_path: Path, suffix: str) -> None:
     robot = find("rars")
     setup = bench_setup_of(robot)
     script = mission.parse(CRAWL, "crawl", robot, setup)
-    path = tmp_path / "crawl.blf"
+    path = tmp_path / f"crawl{suffix}"
     order = RunOrder(robot, setup, "crawl", script, 3, tmp_path / "crawl", record=path)
 
     def fails(rig: Rig, _end: Nanoseconds, _progress: object) -> None:
@@ -147,4 +148,5 @@ def test_a_run_that_fails_leaves_the_frames_before(tmp_path: Path) -> None:
 
     with pytest.raises(RuntimeError, match="the plant has failed"):
         drive(order, lambda _now: None, fails)
-    assert len(list(frames(path))) > 10
+    logged = (tmp_path / "crawl" / "can.log").read_text(encoding="ascii").splitlines()
+    assert len(list(frames(path))) == len(logged) > 10
