@@ -4,6 +4,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
 
 from emulators.bench.columns import POSE
+from emulators.bench.faults import FaultError
 from emulators.control.desk import Desk
 from emulators.live.control import PageControl
 from emulators.live.hello import hello
@@ -133,7 +134,10 @@ class LiveBench(PageNode):
             raise PageError("mission: stations outside drive this bench (--mavlink)")
         self._control.take(on=False)
         self._control.forget()
-        end = self._missions.start(name)
+        try:
+            end = self._missions.start(name)
+        except FaultError as error:
+            raise PageError(f"mission: its faults meet those that are planned: {error}") from error
         self._paced.ends_at(end)
         self._paced.paces(now, paused=False)
         self._happened(f"mission {name} begins, to {to_seconds(end):g} s", "info")

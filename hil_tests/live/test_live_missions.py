@@ -43,6 +43,15 @@ def test_a_mission_is_begun_from_the_page_at_the_next_whole_second(rome: ShownBe
     assert not rome.node.finished
 
 
+def test_a_mission_whose_faults_meet_those_that_are_planned_is_refused_and_the_bench_goes_on() -> None:
+    with shown("rome", "faults") as bench:
+        bench.opens()
+        bench.runs(500)
+        answers = [bench.request("mission", name="faults") for _ in range(3)]
+        assert any(not one["ok"] and "its faults meet" in one["error"] for one in answers)
+        assert [one for one in bench.runs(1000) if one.get("kind") == "state"]
+
+
 def test_the_same_mission_from_the_page_drives_as_from_the_command_line(rome: ShownBench) -> None:
     rome.opens()
     rome.runs(500)

@@ -17,7 +17,7 @@ from firmware_bridge.robots.rars.motion import RarsState
 from firmware_bridge.units import STANDARD_GRAVITY
 
 SAFE_SHARE: Final = 0.9
-"""Share of the safe speed that is driven: wheels overshoot their set-point by up to 5 % at a ramp's end."""
+"""Share of the safe speed that is driven: 0.5 m/s overshoot to 0.55 on the plant, on 25 degrees, 10 kg."""
 BRAKES: Final = 0.03 * STANDARD_GRAVITY
 """Braking that is always allowed, m/s2: at the safe speed not even a stop at once tips the robot over."""
 STARTS: Final = 0.01 * STANDARD_GRAVITY

@@ -9,7 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from emulators.bench.cases import Situation
 from emulators.robots.rars.cases import BALANCE, WELL
+from emulators.testing.inherited.fake_driver import START, active, gate_of, seen
 from firmware_bridge.drivers.driver import Reading
 from firmware_bridge.motion.standing import Standing
 from firmware_bridge.robot import RobotFileError
@@ -47,6 +49,17 @@ def test_a_sensor_that_is_not_there_is_reported_by_its_key(table: str, reported:
     rows = "\n".join(f"{key} = {json.dumps(value)}" for key, value in balance.items())
     with pytest.raises(RobotFileError, match=re.escape(reported)):
         parse(f"{rars}\n{imu}\n[geometry.balance]\n{rows}\n", "mine.toml")
+
+
+@pytest.mark.parametrize(("while_driving", "stops"), [(False, True), (True, False)])
+def test_it_drives_with_the_lift_up_only_where_the_robot_file_lets_it(
+    *, while_driving: bool, stops: bool
+) -> None:
+    balance = EXACT.model_copy(update={"lift_while_driving": while_driving})
+    machine = find("rars").model_copy(update={"geometry": geometry(balance)})
+    decision = gate_of(machine).rule(seen(machine, START, Situation(body=tilted(0.0, lift_m=0.3))))
+    assert ("lift extended" in active(decision)) is stops
+    assert ("base" in decision.stopped) is stops
 
 
 def test_without_its_table_it_changes_nothing() -> None:
