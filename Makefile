@@ -108,7 +108,8 @@ $(COMPILED)/.ready: $(READY) $(shell find firmware_bridge emulators fmu -name '*
 same: $(COMPILED)/.ready ## test that the compiled core gives the same bits
 	@$(COMPILED)/bin/python -P -m pytest -n $(JOBS) --dist worksteal -q -m 'not interpreted and not long' \
 		hil_tests/golden hil_tests/scenarios/test_golden_traces.py hil_tests/scenarios/test_re*.py hil_tests/wire \
-		hil_tests/unit/cia402 hil_tests/unit/epos2_serial hil_tests/unit/rewind hil_tests/unit/world
+		hil_tests/stability hil_tests/unit/cia402 hil_tests/unit/epos2_serial hil_tests/unit/imu hil_tests/unit/rewind \
+		hil_tests/unit/world
 
 compiled: $(COMPILED)/.ready ## install the program with its core compiled, in .venv/compiled
 

@@ -26,7 +26,7 @@ _FLOATS: Final = 58
 _CELLS: Final = 10
 _LARGEST_I16: Final = 0x7FFF
 _TEMPERATURE_UNKNOWN: Final = 0x7FFF
-_COVARIANCE_UNKNOWN: Final = (NAN,) + (0.0,) * 20
+_COVARIANCE_UNKNOWN: Final[tuple[float, ...]] = (NAN,) + (0.0,) * 20
 
 
 @valueclass(frozen=True, slots=True, kw_only=True)

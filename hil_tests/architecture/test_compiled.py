@@ -1,6 +1,8 @@
 """Modules compiled by `setup.py`: they exist, and use nothing that compiled code or rewind cannot handle."""
 
 import ast
+import importlib
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -45,6 +47,32 @@ def test_no_function_changes_a_variable_of_the_one_around_it() -> None:
 def test_no_protocol_among_them_is_requested_at_run_time() -> None:
     """mypyc makes no class of Python's own of a protocol, and `runtime_checkable` wants one."""
     assert not [str(file) for file in COMPILED if "runtime_checkable" in file.read_text()]
+
+
+def constants(file: Path) -> Iterator[tuple[str, object]]:
+    """Yield a module's constants of a fixed length, by place, with their values."""
+    place = file.relative_to(ROOT)
+    for node in ast.parse(file.read_text()).body:
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            annotation = ast.unparse(node.annotation)
+            if annotation.startswith("Final") and "..." not in annotation:
+                module = importlib.import_module(".".join(place.with_suffix("").parts))
+                yield f"{place}:{node.lineno}", getattr(module, node.target.id)
+
+
+def test_no_constant_is_a_tuple_of_floats_only() -> None:
+    """mypyc 2.4 takes such a one for a constant without a value: NameError where it is read.
+
+    `tuple[float, ...]`, and a tuple with anything else in it, are in order.
+    """
+    guilty = [
+        place
+        for file in COMPILED
+        if str(file.relative_to(ROOT)) not in INTERPRETED
+        for place, value in constants(file)
+        if isinstance(value, tuple) and value and all(type(one) is float for one in value)
+    ]
+    assert not guilty
 
 
 KEYWORDS = frozenset(

@@ -31,7 +31,6 @@ IN_TURNS: Final = 0.1
 """Share of the accelerometer in a turn."""
 NO_DIRECTION: Final = 1e-9
 """A sum of directions that is shorter has none."""
-UPWARDS: Final[Vector] = (0.0, 0.0, 1.0)
 
 
 class Phase(Enum):
@@ -49,7 +48,7 @@ class Attitude:
     def __init__(self, time_constant_s: float) -> None:
         self._constant: Final = time_constant_s
         self.phase = Phase.SETTLING
-        self.up: Vector = UPWARDS
+        self.up: Vector = (0.0, 0.0, 1.0)
         """The upward direction in the robot's axes."""
         self.bias: Vector = (0.0, 0.0, 0.0)
         """The rates at standstill, rad/s."""
