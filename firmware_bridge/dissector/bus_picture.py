@@ -59,7 +59,7 @@ class NodeSeen:
     late: int = 0
     """Heartbeats in a row that came when they were overdue."""
     status: str = _NO_STATUS
-    """Its Statusword, decoded."""
+    """Its Statusword, decoded; marked where a default mapping shows it."""
     emergency: str = ""
     emergencies: int = 0
     raw_status: bytes = b""
@@ -86,6 +86,8 @@ class MessageSeen:
     sender: int | None = None
     status: tuple[int, int, int] | None = None
     """Of a PDO with the sender's Statusword: its length, and where the Statusword is."""
+    mark: str = ""
+    """Shown behind that Statusword: the mapping is a default only."""
     count: int = 0
 
 
@@ -220,6 +222,7 @@ class BusPicture:
         if message.version != self._reader.version:
             message.sender = self._reader.sender(message.packet)
             message.status = self._reader.place(message.packet, od.STATUSWORD)
+            message.mark = self._reader.mark(message.packet) if message.status else ""
             message.version = self._reader.version
         node = message.sender
         if not node:
@@ -231,7 +234,7 @@ class BusPicture:
         if message.status is None or len(payload) != message.status[0]:
             return found
         raw = payload[message.status[1] : message.status[2]]
-        return found if raw == seen.raw_status else (*found, self._status(seen, raw))
+        return found if raw == seen.raw_status else (*found, self._status(seen, raw, message.mark))
 
     def _changes(self, now: Nanoseconds, message: MessageSeen) -> list[str]:
         """Follow a frame of a service, and return what it has changed."""
@@ -315,10 +318,10 @@ class BusPicture:
         if message.read is not None and isinstance(decode(packet.payload), sdo.Abort):
             yield self._wrong(": ".join(message.read))
 
-    def _status(self, seen: NodeSeen, raw: bytes) -> str:
+    def _status(self, seen: NodeSeen, raw: bytes, mark: str = "") -> str:
         """Take another Statusword."""
         seen.raw_status = raw
-        seen.status = self._reader.value(seen.node, od.STATUSWORD, raw)
+        seen.status = f"{self._reader.value(seen.node, od.STATUSWORD, raw)}{mark}"
         return f"node {seen.node}: statusword {seen.status}"
 
     def _overdue(self, seen: NodeSeen) -> bool:

@@ -162,6 +162,12 @@ class Canopen:
             return (bits // 8, found[-1].begin, found[-1].end) if found and not bits % 8 else None
         return None
 
+    def mark(self, packet: Packet) -> str:
+        """Return `BY_DEFAULT` of a PDO that is read by its family's default; it holds as `place` does."""
+        for owner, _, mapping in self._nodes.candidates(identifier(packet.address)):
+            return self._marked(owner, mapping)
+        return ""
+
     def value(self, node: int, address: Address, raw: bytes) -> str:
         """Return an object's value for people, with its unit and what its bits say."""
         return self._nodes.value(node, address, raw)
@@ -287,6 +293,9 @@ class Canopen:
     def _known(self, node: int, mapping: int) -> bool:
         return self._defaults or self._nodes.identified(node) or self._nodes.mapped(node, mapping)
 
+    def _marked(self, node: int, mapping: int) -> str:
+        return "" if self._nodes.stated(node, mapping) else BY_DEFAULT
+
     def _pdo(self, number: int, payload: bytes) -> str:
         if self._texts_of != self._nodes.version or len(self._texts) >= MOST_TEXTS:
             self._texts.clear()
@@ -301,7 +310,7 @@ class Canopen:
             if not self._known(node, mapping):
                 return f"{title}: {payload.hex(' ').upper()}, by a mapping that is not known"
             fields = self._nodes.fields(node, mapping, payload)
-            by = "" if self._nodes.stated(node, mapping) else BY_DEFAULT
+            by = self._marked(node, mapping)
             return f"{title}{by}: {', '.join(fields) if fields else 'bytes that do not fit its mapping'}"
         return "a PDO of an unknown node"
 

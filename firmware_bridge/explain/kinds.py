@@ -46,6 +46,10 @@ SILENT_CONTROLLER: Final = IncidentKind(
     "drives that consume the heartbeat (0x1016) report 0x8130 and stop by 0x6007",
     "the log of the controller's program, then its CAN interface (`ip -details link show`)",
 )
+WITHHELD: Final = (
+    "it is withheld on purpose, to prove that the drives notice it: requests go on, and no drive has power"
+)
+"""Cause of a controller's silence, before the others where the frames show it."""
 SECOND_PRODUCER: Final = IncidentKind(
     "second_producer",
     "two nodes send the same identifier",

@@ -206,9 +206,17 @@ class NodesWatch:
             f"{period // MILLISECOND} ms",
             evidence=self._bus.evidence(last, address, node.beat),
             node=node.node,
-            causes=self._silent_causes(node, last, period) if not controller else (),
+            causes=self._withheld(last, period) if controller else self._silent_causes(node, last, period),
         )
         self._bus.open(kind, last + int(MISSED * period), report)
+
+    def _withheld(self, last: Nanoseconds, period: Nanoseconds) -> tuple[str, ...]:
+        """Return a controller's causes: one whose requests go on lives."""
+        drives = [one for one in self._bus.nodes.values() if one.answered is not None]
+        speaks = any(one.answered is not None and one.answered.at > last + period for one in drives)
+        if not speaks or any(one.drive.enabled for one in drives):
+            return ()
+        return (kinds.WITHHELD, *kinds.SILENT_CONTROLLER.causes)
 
     def _silent_causes(self, node: NodeState, last: Nanoseconds, period: Nanoseconds) -> tuple[str, ...]:
         if node.sent_at > last + period:

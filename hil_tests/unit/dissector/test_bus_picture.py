@@ -25,6 +25,7 @@ from hil_tests.rows import every
 MASTERS: Final = Path(__file__).parents[2] / "recordings" / "rars" / "canopen-master.log.xz"
 ON: Final = "power stage on, remote (NMT operational)"
 
+MARK: Final = " (default mapping)"
 STORY: Final = [
     (0, 0x703, "00", ["node 3 is there", "node 3: restarted"]),
     (1, 0x703, "7F", ["node 3: pre-operational"]),
@@ -35,7 +36,8 @@ STORY: Final = [
     (113, 0x183, "3705", []),  # of what it consists, no one has seen yet
     (120, 0x603, "2F001A0001000000", []),
     (121, 0x603, "23011A0010004160", []),
-    (122, 0x183, "3707", [f"node 3: statusword 0x0737 (operation enabled, {ON}, target reached)"]),
+    # How many objects it has, is its default only.
+    (122, 0x183, "3707", [f"node 3: statusword 0x0737 (operation enabled, {ON}, target reached){MARK}"]),
     (123, 0x183, "37", []),  # too short for its mapping
     (130, 0x603, "2B40600006000000", []),
     (

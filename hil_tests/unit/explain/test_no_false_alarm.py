@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from firmware_bridge.canopen.address import Address
 from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.explain import report
@@ -54,6 +56,25 @@ def test_a_controller_that_takes_its_consumers_off_ends_in_order(tmp_path: Path)
 
     assert kinds(explained(log(0), tmp_path)) == []
     assert kinds(explained(log(100 << 16 | 200), tmp_path)) == ["controller_silent"]
+
+
+@pytest.mark.parametrize("power", [False, True])
+@pytest.mark.parametrize("requests", [False, True])
+def test_a_controller_that_proves_the_supervision_withholds_its_heartbeat(
+    tmp_path: Path, *, power: bool, requests: bool
+) -> None:
+    """It lives, as its requests show, and no drive has power; else it hangs, or worse."""
+    log = enabled() if power else BusLog().started()
+    log.write(Address(0x1016, 1), 100 << 16 | 200)
+    for count in range(20):
+        log.beat().wait(0.048)
+        if count < 10:
+            log.beat(node=100)
+        if count < 10 or requests:
+            log.shows(POSITION, 500 * count)
+    (found,) = explained(log, tmp_path).incidents
+    assert found.kind.name == "controller_silent"
+    assert ("on purpose" in found.causes[0]) == (requests and not power)
 
 
 def test_a_client_that_gives_up_waiting_is_a_time_out(tmp_path: Path) -> None:
