@@ -16,6 +16,7 @@ from firmware_bridge.motion.model import MotionModel
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Axis, CommandForm, Problem, Robot, RobotFileError
 from firmware_bridge.robot.table import Table
+from firmware_bridge.robot_drawing import Drawing
 from firmware_bridge.safety.delay_limit import Slow, delay_limit
 from firmware_bridge.safety.interlock import Interlock, Limit
 from firmware_bridge.safety.kinematic_model import KinematicModel
@@ -98,6 +99,8 @@ class RobotType(Generic[G, M, S]):
     reach: Callable[[Robot[G]], Iterable[tuple[M, S]]]
     """The motions at the corners of what the limits allow, with the state in which they ask the most."""
     station: StationRows[G, M, S]
+    drawing: Drawing[G, S] | None = None
+    """Its picture on the live page; None: an arrow."""
     unrolled: Callable[[Robot[G]], Callable[[SeenPose, Pose], Pose]] | None = None
     """Map from a robot's pose seen in the room to the pose on its ground, near the second, its assumed pose.
 

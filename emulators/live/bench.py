@@ -21,7 +21,6 @@ from firmware_bridge.live.page_node import PageError, PageNode
 from firmware_bridge.live.state import Json, bridge_state, number
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Reaction
-from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 
 if TYPE_CHECKING:
@@ -44,7 +43,6 @@ class LiveBench(PageNode):
         self._rig: Final = rig
         self._paced: Final = paced
         self._ordered: Final = order
-        self._type: Final = robot_type_of(rig.robot)
         self._moments: Final = Moments(rig)
         self._frames: Final = TracedFrames(rig)
         self._incidents: Final = LiveIncidents(rig)
@@ -220,7 +218,7 @@ class LiveBench(PageNode):
                 for it in (faults.record_of(one),)
             ],
             "kept_s": None if first is None else [to_seconds(first), to_seconds(now)],
-            **bridge_state(self._type, rig.bridge),
+            **bridge_state(rig.robot, rig.bridge),
             **self._true_pose(),
         }
 

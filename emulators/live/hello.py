@@ -12,7 +12,7 @@ from emulators.bench.faults import Fault, kinds
 from emulators.bench.faults.failures import failures_of
 from emulators.bench.faults.kind import FaultKind
 from firmware_bridge.live.messages import VERSION
-from firmware_bridge.live.state import Json, axes_of
+from firmware_bridge.live.state import Json, axes_of, outline_of
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import robot_type_of
 
@@ -30,7 +30,7 @@ def hello(title: str, robot: AnyRobot, requests: Sequence[str], missions: Sequen
         "title": title,
         "mode": "bench",
         "axes": axes_of(robot),
-        "outline": [],
+        "outline": outline_of(robot),
         "faults": list(faults(robot)),
         "can": list(requests),
         "missions": list(missions),

@@ -13,7 +13,6 @@ from emulators.rig import Rig
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.live.plotted import TIME, known, values_of
 from firmware_bridge.live.state import Json, bridge_state, number
-from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.units import Nanoseconds, to_seconds
 from fmu.errors import PlantError
 
@@ -29,14 +28,13 @@ OBJECTS: Final = {
 
 def of_rig(rig: Rig) -> Callable[[Nanoseconds], Json]:
     """Return what reads a bench: its bridge, and the newest sample of the plant."""
-    robot_type = robot_type_of(rig.robot)
 
     def read(_now: Nanoseconds) -> Json:
         samples = rig.samples
         newest = samples[-1] if len(samples) else None
         return values_of(
             {
-                **bridge_state(robot_type, rig.bridge),
+                **bridge_state(rig.robot, rig.bridge),
                 "at_s": to_seconds(rig.world.now),
                 "measured": {}
                 if newest is None

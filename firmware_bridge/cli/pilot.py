@@ -170,7 +170,7 @@ def run(given: PilotOptions) -> None:
         from firmware_bridge.live.pilot import LivePilot
 
         page = {LIVE: page_port}
-        node = LivePilot(node, station, f"{robot.title}, pilot", rolling, end_in_order)
+        node = LivePilot(node, station, robot, rolling, end_in_order)
     keys = f"; {HELP}" if given.keyboard else ""
     carry(
         node,

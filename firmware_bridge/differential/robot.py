@@ -18,7 +18,9 @@ from firmware_bridge.differential.kinematics import (
     ramp_of,
 )
 from firmware_bridge.motion.differential import fastest_in_turn
+from firmware_bridge.motion.outline import Polygon, box, wheel
 from firmware_bridge.robot import Robot
+from firmware_bridge.robot_drawing import Drawing
 from firmware_bridge.safety.interlock import Interlock, Limit, View
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.safety.limits import bounded
@@ -29,6 +31,14 @@ from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 CLEARS_AFTER: Final[Nanoseconds] = 300 * MILLISECOND
 SPEED_TOLERANCE: Final = 1e-4
 """A step that the ramp shortens by less, in m/s or rad/s, is not reported."""
+
+
+def above(robot: Robot[G]) -> tuple[Polygon, ...]:
+    """Return a plate and two wheels; how far the plate goes behind them is assumed."""
+    base = robot.geometry.base
+    radius, track = base.wheel_radius_m, base.track_m
+    plate = box(-track / 2.0, 0.0, track + 2.0 * radius, track)
+    return plate, wheel(0.0, track / 2.0, radius), wheel(0.0, -track / 2.0, radius)
 
 
 class DifferentialRobot(Generic[G, M, S]):
@@ -61,6 +71,7 @@ class DifferentialRobot(Generic[G, M, S]):
             "speed": lambda motion: motion.speed_mps,
             "turn rate": lambda motion: motion.turn_rad_s,
         }
+        self.drawing: Final[Drawing[G, S]] = Drawing(above)
         self.turns_too_fast: Final[Interlock[G, M, S]] = Interlock(
             "turns too fast",
             self._turns_too_fast,

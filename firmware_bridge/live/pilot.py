@@ -5,11 +5,12 @@ from typing import Final
 
 from firmware_bridge.live.messages import VERSION
 from firmware_bridge.live.page_node import PageError, PageNode
-from firmware_bridge.live.state import Json, number
+from firmware_bridge.live.state import Json, number, outline_of
 from firmware_bridge.node import Node
 from firmware_bridge.packet import Reaction
 from firmware_bridge.pilot.cockpit import SAFETY_SWITCH
 from firmware_bridge.pilot.station import PilotStation
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds, to_seconds
 
 
@@ -17,12 +18,17 @@ class LivePilot(PageNode):
     """A node around a station; of the robot's axes it knows the speeds of those that roll."""
 
     def __init__(
-        self, node: Node, station: PilotStation, title: str, rolling: tuple[str, ...], end: Callable[[], None]
+        self,
+        node: Node,
+        station: PilotStation,
+        robot: AnyRobot,
+        rolling: tuple[str, ...],
+        end: Callable[[], None],
     ) -> None:
-        """Take the station as it is carried and itself, the axes that roll, and what ends the run."""
+        """Take the station as it is carried and itself, its robot, which axes roll, and what ends the run."""
         super().__init__(node)
         self._station: Final = station
-        self._title: Final = title
+        self._robot: Final = robot
         self._rolling: Final = rolling
         self._end: Final = end
         self._lines = 0
@@ -32,10 +38,10 @@ class LivePilot(PageNode):
         return {
             "kind": "hello",
             "version": VERSION,
-            "title": self._title,
+            "title": f"{self._robot.title}, pilot",
             "mode": "station",
             "axes": [{"name": name, "title": name, "unit": "rad", "number": None} for name in self._rolling],
-            "outline": [],
+            "outline": outline_of(self._robot),
             "faults": [],
             "can": ["stop", "emergency_stop"],
         }

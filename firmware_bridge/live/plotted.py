@@ -14,7 +14,6 @@ from firmware_bridge.live.state import Json, bridge_state
 from firmware_bridge.node import Finite, Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 PLOTS: Final = "plotjuggler"
@@ -47,8 +46,7 @@ def values_of(state: Json) -> Json:
 
 def of_bridge(robot: AnyRobot, bridge: Bridge) -> Callable[[Nanoseconds], Json]:
     """Return what reads a bridge's values."""
-    robot_type = robot_type_of(robot)
-    return lambda now: values_of({**bridge_state(robot_type, bridge), "at_s": to_seconds(now)})
+    return lambda now: values_of({**bridge_state(robot, bridge), "at_s": to_seconds(now)})
 
 
 class Plotted:

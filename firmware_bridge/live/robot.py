@@ -6,13 +6,12 @@ from typing import Final
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.live.messages import LEVELS, VERSION
 from firmware_bridge.live.page_node import PageError, PageNode
-from firmware_bridge.live.state import Json, axes_of, bridge_state
+from firmware_bridge.live.state import Json, axes_of, bridge_state, outline_of
 from firmware_bridge.mavlink.frames import Codec, dialect
 from firmware_bridge.mavlink.operator_texts import OperatorTexts
 from firmware_bridge.node import OPERATOR, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.units import Nanoseconds, to_seconds
 from firmware_bridge.wire.internet import number_of
 
@@ -30,7 +29,6 @@ class LiveRobot(PageNode):
         super().__init__(node)
         self._bridge: Final = bridge
         self._robot: Final = robot
-        self._type: Final = robot_type_of(robot)
         self._end: Final = end
         self._codec: Final = Codec(SYSTEM, COMPONENT)
         self._reader: Final = OperatorTexts()
@@ -74,7 +72,7 @@ class LiveRobot(PageNode):
             "title": robot.title,
             "mode": "robot",
             "axes": axes_of(robot),
-            "outline": [],
+            "outline": outline_of(robot),
             "faults": [],
             "can": list(self._stops),
         }
@@ -90,5 +88,5 @@ class LiveRobot(PageNode):
             "faults": [],
             "kept_s": None,
             "true_pose": None,
-            **bridge_state(self._type, self._bridge),
+            **bridge_state(self._robot, self._bridge),
         }

@@ -8,7 +8,7 @@ from firmware_bridge.bridge import Bridge
 from firmware_bridge.drivers.driver import Feedback, Position, SetPoint, Speed
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot_type import AnyRobotType
+from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.safety.snapshot import Tracking
 from firmware_bridge.units import to_seconds
 
@@ -30,14 +30,23 @@ def axes_of(robot: AnyRobot) -> list[Json]:
     ]
 
 
-def bridge_state(robot_type: AnyRobotType, bridge: Bridge) -> Json:
-    """Return what a bridge knows: axes, pose, command, interlocks, its operator's link."""
+def outline_of(robot: AnyRobot) -> list[list[list[float]]]:
+    """Return the robot from above: polygons in its own axes, m, the body first; none: an arrow."""
+    drawing = robot_type_of(robot).drawing
+    if drawing is None:
+        return []
+    return [[[round(x, DIGITS), round(y, DIGITS)] for x, y in polygon] for polygon in drawing.above(robot)]
+
+
+def bridge_state(robot: AnyRobot, bridge: Bridge) -> Json:
+    """Return what the bridge of a robot knows: axes, pose, command, interlocks, its operator's link."""
     seen, station = bridge.seen, bridge.operator.stations.in_control
     facts, pose = seen.facts, seen.pose
     lost = None if station is None else station.clocks.losses.share
     age = facts.now - facts.received_at
-    command = {title: number(read(seen.command)) for title, read in robot_type.numbers.items()}
+    command = {title: number(read(seen.command)) for title, read in robot_type_of(robot).numbers.items()}
     return {
+        "arm": _arm(robot, bridge),
         "armed": facts.armed,
         "stopped": facts.emergency_stopped,
         "mode": facts.mode,
@@ -54,6 +63,14 @@ def bridge_state(robot_type: AnyRobotType, bridge: Bridge) -> Json:
             "age_s": None if facts.received_at == NEVER_RECEIVED else number(to_seconds(age)),
         },
     }
+
+
+def _arm(robot: AnyRobot, bridge: Bridge) -> list[list[float | None]]:
+    """Return the places of an arm's joints, in the robot's axes and above the floor, m."""
+    drawing = robot_type_of(robot).drawing
+    if drawing is None or drawing.arm is None:
+        return []
+    return [[number(one) for one in point] for point in drawing.arm(robot, bridge.seen.body)]
 
 
 def _axis(feedback: Feedback, following: Mapping[str, Tracking]) -> Json:

@@ -12,6 +12,7 @@ from firmware_bridge.pilot.cockpit import Cockpit
 from firmware_bridge.pilot.driver import Extras
 from firmware_bridge.pilot.keyboard import Keyboard
 from firmware_bridge.pilot.station import PilotStation
+from firmware_bridge.robot_types import find
 from hil_tests.live.paged import Paged
 
 ROBOT: Final = Codec(1, 1)
@@ -26,7 +27,7 @@ class Piloted(Paged):
         self.station: Final = PilotStation(Keyboard(0.5, Extras((), None)), (1, 1))
         rolling = ("left", "right")
         cockpit = Cockpit(self.station, lambda _: None, rolling=rolling)
-        super().__init__(LivePilot(cockpit, self.station, "rars, pilot", rolling, self._ends))
+        super().__init__(LivePilot(cockpit, self.station, find("rars"), rolling, self._ends))
 
     def _ends(self) -> None:
         self.ended += 1

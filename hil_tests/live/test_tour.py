@@ -141,6 +141,20 @@ def test_a_bench_is_shown_broken_driven_stopped_put_back_and_ended(
     page.waits("!document.getElementById('lost').hidden")
 
 
+def test_a_robot_with_an_arm_is_shown_from_above_and_from_the_side(
+    page: Browser, under_test: Callable[[Sequence[str]], Process], tmp_path: Path
+) -> None:
+    words = ("bench", "rome_arm", "--mission", "orbit", "--realtime", "--live", "--out", str(tmp_path))
+    page.opens(address(under_test((*PROGRAM, *words))), *WIDE)
+    page.waits("known.state?.armed && known.state.arm.length === 7")
+    assert page.value("document.querySelectorAll('#robot polygon').length") == 4
+    page.value("globalThis.before = document.getElementById('tool').textContent")
+    page.waits("document.getElementById('tool').textContent !== before")
+    drawn = "document.querySelector('#{} .arm polyline').points.length"
+    assert [page.value(drawn.format(one)) for one in ("robot", "side")] == [7, 7]
+    fits(page, tmp_path / "arm")
+
+
 def test_a_recording_is_played_in_a_browser(
     page: Browser, under_test: Callable[[Sequence[str]], Process], tmp_path: Path
 ) -> None:

@@ -6,6 +6,7 @@ from typing import Final
 
 from firmware_bridge import renamed
 from firmware_bridge.robot_type import RobotType
+from firmware_bridge.robots.ar2.drawing import DRAWING
 from firmware_bridge.robots.ar2.geometry import Ar2Geometry
 from firmware_bridge.robots.ar2.kinematics import GROUPS, TOOL, Ar2Kinematics, reach
 from firmware_bridge.robots.ar2.motion import Ar2Motion, Ar2State
@@ -34,6 +35,7 @@ ROBOT_TYPE: Final[RobotType[Ar2Geometry, Ar2Motion, Ar2State]] = RobotType(
     slowed=slowed,
     reach=reach,
     station=STATION,
+    drawing=DRAWING,
     path_followers={name: partial(Ar2PathFollower, course=course) for name, course in COURSES.items()},
 )
 

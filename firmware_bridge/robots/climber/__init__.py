@@ -6,6 +6,7 @@ from typing import Final
 
 from firmware_bridge import renamed
 from firmware_bridge.robot_type import RobotType
+from firmware_bridge.robots.climber.drawing import DRAWING
 from firmware_bridge.robots.climber.geometry import ClimberGeometry
 from firmware_bridge.robots.climber.kinematics import CLIMBER
 from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
@@ -31,6 +32,7 @@ ROBOT_TYPE: Final[RobotType[ClimberGeometry, ClimberMotion, ClimberState]] = Rob
     slowed=CLIMBER.slowed,
     reach=CLIMBER.reach,
     station=STATION,
+    drawing=DRAWING,
     unrolled=lambda robot: partial(unrolled, robot.geometry),
     path_followers={
         **{name: partial(ClimberPathFollower, name=name) for name in PATHS},

@@ -5,6 +5,7 @@ from typing import Final
 
 from firmware_bridge import renamed
 from firmware_bridge.robot_type import RobotType
+from firmware_bridge.robots.rars.drawing import DRAWING
 from firmware_bridge.robots.rars.geometry import RarsGeometry
 from firmware_bridge.robots.rars.kinematics import BASE, GROUPS, LED, Rars, reach
 from firmware_bridge.robots.rars.model import RarsModel
@@ -34,6 +35,7 @@ ROBOT_TYPE: Final[RobotType[RarsGeometry, RarsMotion, RarsState]] = RobotType(
     slowed=slowed,
     reach=reach,
     station=STATION,
+    drawing=DRAWING,
     model=RarsModel,
     modes=MODES,
 )

@@ -6,6 +6,7 @@ from typing import Final
 
 from firmware_bridge import renamed
 from firmware_bridge.robot_type import RobotType
+from firmware_bridge.robots.rome.drawing import DRAWING
 from firmware_bridge.robots.rome.geometry import RomeGeometry
 from firmware_bridge.robots.rome.kinematics import BASE, GROUPS, RomeKinematics, reach
 from firmware_bridge.robots.rome.motion import RomeMotion, RomeState
@@ -33,6 +34,7 @@ ROBOT_TYPE: Final[RobotType[RomeGeometry, RomeMotion, RomeState]] = RobotType(
     slowed=slowed,
     reach=reach,
     station=STATION,
+    drawing=DRAWING,
     path_followers={name: partial(named, name=name) for name in PATHS},
 )
 

@@ -6,6 +6,7 @@ from typing import Final
 from firmware_bridge import renamed
 from firmware_bridge.robot_type import RobotType
 from firmware_bridge.robots import ar2, rome
+from firmware_bridge.robots.rome_arm.drawing import DRAWING
 from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
 from firmware_bridge.robots.rome_arm.halves import ARM, BASE
 from firmware_bridge.robots.rome_arm.kinematics import GROUPS, RomeArmKinematics, reach
@@ -29,6 +30,7 @@ ROBOT_TYPE: Final[RobotType[RomeArmGeometry, RomeArmMotion, RomeArmState]] = Rob
     slowed=slowed,
     reach=reach,
     station=STATION,
+    drawing=DRAWING,
     path_followers=PATH_FOLLOWERS,
 )
 

@@ -28,6 +28,7 @@ ROBOT_TYPE: Final[RobotType[Geometry, Motion, State]] = RobotType(
     limits=ROBOT.limits,
     slowed=ROBOT.slowed,
     reach=ROBOT.reach,
+    drawing=ROBOT.drawing,
     station=STATION,
     path_followers={FIGURE_EIGHT: FigureEight},
     switched=lambda motion: {LAMP: Level(motion.lamp)},
