@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from emulators.bench import margin
 from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.columns import SAMPLE_EVERY, Column, Samples, columns_of, electric
 from emulators.bench.faults import BRIDGE, OPERATOR_STATION, SECOND_BRIDGE, Fault, Faults, Site
@@ -63,7 +64,7 @@ class Rig:
     ) -> None:
         self.robot: Final = robot
         self._injects: Final = injects
-        columns = columns_of(electric(robot), bench_setup.columns)
+        columns = (*columns_of(electric(robot), bench_setup.columns), *margin.columns(robot))
         outputs = [column.plant for column in columns if column.plant]
         self.devices: Final = devices(
             robot,

@@ -14,6 +14,7 @@ OUTCOMES: Final = Path(__file__).with_name("nightly_results.toml")
 OWN: Final = ("tools/nightly_results.toml", "tools/mutate_results.toml", "docs/nightly.md")
 """Files that a night writes: no source of it."""
 PYTEST: Final = ".venv/bin/python -m pytest -q -p no:cacheprovider"
+STABILITY: Final = ".venv/compiled/bin/python -P -m hil_tests.stability"
 SHARES: Final = 20
 HEAD: Final = (
     "# What came of each command of a night, written by tools/nightly.py; docs/nightly.md is made from it.\n"
@@ -76,6 +77,14 @@ STEPS: Final = (
             _adversary("climber", "honest", 2),
             _adversary("ar2", "honest", 1),
             _adversary("rome_arm", "honest", 2),
+        ),
+    ),
+    Step(
+        "stability",
+        "10,000 manoeuvres on slopes, and 1,000 near the limits: RARS with its governor, and without it",
+        (
+            *(f"{STABILITY} usual --first {first} --count 1000" for first in range(0, 10_000, 1_000)),
+            f"{STABILITY} hard",
         ),
     ),
     Step(

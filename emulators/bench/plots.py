@@ -13,6 +13,7 @@ from matplotlib import style
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from emulators.bench import margin
 from emulators.bench.columns import Panel, Samples, current
 from emulators.bench.fault_marks import mark_faults
 from emulators.bench.path_picture import path_picture
@@ -45,6 +46,7 @@ def draw(
 
     `more` are the robot's own.
     """
+    panels = (*panels, *margin.panels(robot))
     currents_known = any(samples.has(current(axis.name)) for axis in robot.axes)
     pictures: Mapping[str, Callable[[Figure], None]] = {
         "path": lambda figure: path_picture(figure, samples, events),

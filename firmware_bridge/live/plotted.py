@@ -38,6 +38,7 @@ def values_of(state: Json) -> Json:
             "true_pose": _pose(state.get("true_pose")),
             "command": state.get("command", {}),
             "measured": state.get("measured", {}),
+            "margin": _of(state.get("margin") or {}, ("value", "least")),
             "operator": _of(state.get("operator", {}), _ON_LINK),
             "buses": {bus["name"]: _of(bus, ("load_percent",)) for bus in state.get("buses", ())},
         }

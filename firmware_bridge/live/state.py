@@ -57,6 +57,7 @@ def bridge_state(robot: AnyRobot, bridge: Bridge) -> Json:
             {"name": it.name, "reason": it.reason, "remedy": it.remedy, "since_s": to_seconds(it.since)}
             for it in bridge.interlock_events
         ],
+        "margin": _margin(robot, bridge),
         "operator": {
             "station": "" if station is None else str(station.sender),
             "loss_percent": None if lost is None else number(100.0 * lost),
@@ -71,6 +72,16 @@ def _arm(robot: AnyRobot, bridge: Bridge) -> list[list[float | None]]:
     if drawing is None or drawing.arm is None:
         return []
     return [[number(one) for one in point] for point in drawing.arm(robot, bridge.seen.body)]
+
+
+def _margin(robot: AnyRobot, bridge: Bridge) -> Json | None:
+    """Return what the robot's stand or hold has to spare; None for a robot without such a row."""
+    row = robot_type_of(robot).station.margin
+    least = None if row is None else row.least(robot)
+    if row is None or least is None:
+        return None
+    value = number(row.read(robot, bridge.seen))
+    return {"value": value, "least": number(least), "unit": row.unit, "title": row.title}
 
 
 def _axis(feedback: Feedback, following: Mapping[str, Tracking]) -> Json:

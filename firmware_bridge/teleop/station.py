@@ -168,8 +168,21 @@ class Value(Generic[M, S]):
     """Return the value, or None while it is not known."""
     title: str
     """Its name, with its unit."""
-    of: Callable[[Any], bool] = lambda _: True
-    """Return whether a robot of this type has it; others keep their link free of it."""
+
+
+@dataclass(frozen=True)
+class Margin(Generic[G, M, S]):
+    """What a robot's stand or hold has to spare; its interlocks and limits keep the least of it.
+
+    It is sent as MARGIN, and shown with its least.
+    """
+
+    read: Callable[[Robot[G], Snapshot[M, S]], float | None]
+    """Return it, or None while it is not known."""
+    least: Callable[[Robot[G]], float | None]
+    """Return the least that is kept; None for a robot whose file has no data for it."""
+    unit: str
+    title: str
 
 
 @dataclass(frozen=True)
@@ -232,6 +245,7 @@ class StationRows(Generic[G, M, S]):
     actuators: tuple[Actuator[G, M], ...] = ()
     """In the order of DO_SET_ACTUATOR's parameters 1, 2, ... of set 0."""
     values: tuple[Value[M, S], ...] = ()
+    margin: Margin[G, M, S] | None = None
     parameters: tuple[Fixed[G], ...] = ()
     gauges: tuple[Gauge[G], ...] = ()
     """Of axes whose place is read off in another way than the axis's own unit; others need no row."""

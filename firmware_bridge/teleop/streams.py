@@ -1,6 +1,6 @@
 """Period of each message, a row for each, for a network and for a narrow link; and a robot's parameters."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, Final
@@ -10,7 +10,7 @@ from firmware_bridge.mavlink.parameters import Parameter
 from firmware_bridge.mavlink.schedule import Schedule
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.operator_link import TelemetryProfile
-from firmware_bridge.teleop.station import AnyStation, AnyValue, Fixed
+from firmware_bridge.teleop.station import AnyStation, AnyValue, Fixed, Value
 from firmware_bridge.teleop.telemetry import (
     TelemetryContext,
     attitude,
@@ -184,7 +184,7 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
         _stream(
             dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE, SECOND // 5, distances, "m, in the order of the wheels"
         ),
-        *(_stream_of(value) for value in station.values if value.of(robot)),
+        *(_stream_of(value) for value in (*station.values, *_margin(station, robot))),
         _stream(
             dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY,
             SECOND // 10,
@@ -267,6 +267,14 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
         watched=lambda context: (context.base_mode, context.custom_mode),
     )
     return [first, *(row for row in rows if not lacking.get(row.number))]
+
+
+def _margin(station: AnyStation, robot: AnyRobot) -> Iterator[AnyValue]:
+    """Yield the margin as a value, where the robot has one."""
+    margin = station.margin
+    if margin is not None and margin.least(robot) is not None:
+        title = f"{margin.unit}, {margin.title}"
+        yield Value("MARGIN", SECOND // 5, lambda seen: margin.read(robot, seen), title)
 
 
 def _stream_of(value: AnyValue) -> Stream:

@@ -1,13 +1,17 @@
 """Manoeuvres that may tip RARS over: drawn by a seed, driven on the bench with the plant that tips over.
 
 It starts on the level with its lift down, and drives onto a slope while the operator moves the stick, lifts
-and stops as chance has it. Slope, its direction and the payload are the plant's; the bridge knows the slope
-by its IMU, the payload by the heaviest of the robot file.
+and stops as chance has it. In some it stops on the slope, lifts its empty table as far as it may, and is
+loaded there, or its load is shifted: that is what tips on slopes that it drives on safely. Slope, its
+direction and the payload are the plant's; the bridge knows the slope by its IMU, the payload by the heaviest
+of the robot file.
 """
 
 import math
+import tomllib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -22,6 +26,11 @@ HARD_RAD: Final = (math.radians(28.0), math.radians(30.0))
 HEAVIEST_KG: Final = 10.0
 LASTS_S: Final = 8.0
 """From arming on."""
+LOADED: Final = 0.2
+"""Share of the manoeuvres in which it is loaded with its table up."""
+LIFTS_S: Final = 20.0
+SHIFTED_M: Final = 0.05
+"""Largest shift of a load, ahead and to a side."""
 BEGINS_S: Final = 4.0
 EVERY_S: Final = 0.1
 """The plant's slope is moved in such steps."""
@@ -34,6 +43,7 @@ mass_kg = 70.6
 scissor_kg = 8.0
 table_height_m = 0.5
 payload_kg = 10.0
+payload_aside_m = 0.071
 """
 
 
@@ -50,11 +60,30 @@ def robot(*, governed: bool) -> AnyRobot:
 
 
 @dataclass(frozen=True, slots=True)
+class SeedList:
+    """A list of manoeuvres, seeds from 0 on."""
+
+    hard: bool
+    count: int
+    of_1000: int
+    """So many of 1,000 tip over without the governor, at least."""
+    in_make_test: int
+    in_long_lane: int
+
+
+LISTS: Final = {
+    name: SeedList(**row)
+    for name, row in tomllib.loads(Path(__file__).with_name("lists.toml").read_text(encoding="utf-8")).items()
+}
+
+
+@dataclass(frozen=True, slots=True)
 class Manoeuvre:
     """One of them, whole."""
 
     seed: int
-    payload_kg: float
+    payload: tuple[tuple[float, dict[str, float]], ...]
+    """What of the plant's load changes, each with its instant after arming."""
     slope_rad: float
     heading_rad: float
     """Where uphill is, from where the robot looked at its start."""
@@ -63,6 +92,8 @@ class Manoeuvre:
     """Time from the level to the whole slope."""
     stick: tuple[tuple[float, dict[str, float | str]], ...]
     """What the operator does, each with its instant."""
+    lasts_s: float = LASTS_S
+    """From arming on."""
 
 
 def drawn(seed: int, *, hard: bool = False) -> Manoeuvre:
@@ -71,14 +102,40 @@ def drawn(seed: int, *, hard: bool = False) -> Manoeuvre:
     steep = HARD_RAD if hard else (0.0, STEEPEST_RAD)
     # Hard with the nose uphill: its rear wheels are near its centre of mass.
     heading = float(chance.normal(0.0, 0.2) if hard else chance.uniform(-math.pi, math.pi))
-    return Manoeuvre(
+    payload_kg = float(chance.uniform(0.8 if hard else 0.0, 1.0)) * HEAVIEST_KG
+    made = Manoeuvre(
         seed=seed,
-        payload_kg=float(chance.uniform(0.8 if hard else 0.0, 1.0)) * HEAVIEST_KG,
+        payload=((0.0, {"lift_payload": payload_kg}),),
         slope_rad=float(chance.uniform(*steep)),
         heading_rad=heading,
         enters_s=float(chance.uniform(4.5, 6.5)),
         within_s=float(chance.uniform(0.8, 2.0)),
         stick=tuple(_stick(chance, hard=hard)),
+    )
+    return made if hard or chance.random() > LOADED else _loaded(chance, made)
+
+
+def _loaded(chance: np.random.Generator, made: Manoeuvre) -> Manoeuvre:
+    """Return a manoeuvre in which it stops, lifts its empty table, and is loaded there."""
+    stops_s = made.enters_s + made.within_s
+    done_s = stops_s + 1.5 + LIFTS_S
+    ahead, left = chance.uniform(-SHIFTED_M, SHIFTED_M, 2)
+    steepness, load = chance.uniform(0.85, 1.0), chance.uniform(0.8, 1.0)
+    return replace(
+        made,
+        slope_rad=float(steepness) * STEEPEST_RAD,
+        payload=(
+            (0.0, {"lift_payload": 0.0}),
+            (done_s, {"lift_payload": float(load) * HEAVIEST_KG}),
+            (done_s + 1.0, {"payload_ahead": float(ahead), "payload_left": float(left)}),
+        ),
+        stick=(
+            # Straight on: it looks as it was drawn, and no emergency stop keeps its table down.
+            (BEGINS_S, {"speed_mps": 0.3, "steer_deg": 0.0}),
+            (round(stops_s, 2), {"speed_mps": 0.0, "steer_deg": 0.0}),
+            (round(stops_s + 1.5, 2), {"speed_mps": 0.0, "lift_rate_mps": 0.1}),
+        ),
+        lasts_s=done_s + 3.0,
     )
 
 
@@ -120,15 +177,17 @@ class Driver:
         """Return whether the robot tips over."""
         ridden = self._begun(one)
         plant = ridden.rig.devices.plant
-        for name, value in (
-            ("lift_payload", one.payload_kg),
-            ("slope_heading", one.heading_rad),
-            ("slope", 0.0),
-        ):
-            plant.change(name, value)
-        for number in range(round(LASTS_S / EVERY_S)):
-            share = min(max((SETTLED_S + number * EVERY_S - one.enters_s) / one.within_s, 0.0), 1.0)
+        waiting = list(one.payload)
+        plant.change("slope_heading", one.heading_rad)
+        for name in ("payload_ahead", "payload_left"):
+            plant.change(name, 0.0)
+        for number in range(round(one.lasts_s / EVERY_S)):
+            at = SETTLED_S + number * EVERY_S
+            share = min(max((at - one.enters_s) / one.within_s, 0.0), 1.0)
             plant.change("slope", share * one.slope_rad)
+            while waiting and waiting[0][0] <= at:
+                for name, value in waiting.pop(0)[1].items():
+                    plant.change(name, value)
             ridden.runs(EVERY_S)
             if plant.read("tipped"):
                 return True
@@ -145,5 +204,5 @@ class Driver:
         for wire in (*rig.can_wires.values(), *lines, rig.operator_wire):
             wire.unobserved()
         steps = (step(at, **does) for at, does in one.stick)
-        self._ride.operator.take_over(story(STANDS, ARMED, *steps, seconds=BEGINS_S + LASTS_S))
+        self._ride.operator.take_over(story(STANDS, ARMED, *steps, seconds=BEGINS_S + one.lasts_s))
         return self._ride

@@ -125,8 +125,8 @@ class Wall(Table):
     cable_kg_per_m: Positive
 
     @property
-    def heaviest_kg(self) -> float:
-        """The mass that magnets and friction hold with the least margin, cable included.
+    def held_n(self) -> float:
+        """The weight that magnets and friction hold, whatever way the robot looks.
 
         Along the wall friction holds it. Off the wall the weight's lever is the height of its center; the
         caster's magnet has to bear that alone where the robot looks down.
@@ -134,7 +134,17 @@ class Wall(Table):
         # Along the wall the weight is held by friction at both wheels and the caster.
         along = self.friction * (2.0 * self.wheel_n + self.caster_n)
         off = self.caster_n * self.length_m / self.mass_height_m
-        return min(along, off) / (self.least_margin * GRAVITY)
+        return min(along, off)
+
+    @property
+    def heaviest_kg(self) -> float:
+        """The mass that is held with the least margin, cable included."""
+        return self.held_n / (self.least_margin * GRAVITY)
+
+    def margin(self, height_m: float) -> float:
+        """Return the ratio of what is held to the weight of robot and cable at a height."""
+        hanging = self.cable_kg_per_m * max(height_m, 0.0)
+        return self.held_n / ((self.mass_kg + hanging) * GRAVITY)
 
     @property
     def highest_m(self) -> float:

@@ -5,13 +5,12 @@ from dataclasses import replace
 from typing import Final, TypeAlias
 
 from firmware_bridge.differential.robot import CLEARS_AFTER
-from firmware_bridge.motion.captured import Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.motion.ramp import MARGIN
 from firmware_bridge.robots.climber.geometry import ClimberGeometry
 from firmware_bridge.robots.climber.kinematics import CLIMBER
 from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
-from firmware_bridge.robots.climber.surface import placed
+from firmware_bridge.robots.climber.surface import place_of
 from firmware_bridge.safety import interlock
 from firmware_bridge.safety.interlock_base import Severity
 
@@ -95,11 +94,7 @@ def _joint(view: View) -> tuple[ClimberMotion, str | None]:
 
 
 def _place(view: View) -> Pose | None:
-    """Return its pose on the unrolled tank; None where that is the cameras', and they have not seen it."""
-    located = view.seen.located
-    if located is None:
-        return placed(view.geometry, view.seen.pose)
-    return None if located.source is Source.UNSEEN else located.pose
+    return place_of(view.geometry, view.seen)
 
 
 def _place_unknown(view: View) -> tuple[ClimberMotion, str | None]:
@@ -133,6 +128,7 @@ def _height(view: View) -> tuple[ClimberMotion, str | None]:
 
 
 def _adhesion(view: View) -> tuple[ClimberMotion, str | None]:
+    """Stop where magnets and friction hold no more than the least margin of robot and cable."""
     wall = view.geometry.wall
     return _no_higher(
         view, -math.inf, wall.highest_m, f": the magnets hold {wall.heaviest_kg:.1f} kg, cable included"

@@ -9,8 +9,11 @@ import math
 from typing import Final
 
 from firmware_bridge.drivers.driver import SeenPose
+from firmware_bridge.motion.captured import Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robots.climber.geometry import ClimberGeometry
+from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
+from firmware_bridge.safety.snapshot import Snapshot
 
 FLAT_PER_M: Final = 1e-6
 """Below this curvature along the axle the track is that of a plane."""
@@ -32,6 +35,14 @@ def unrolled(geometry: ClimberGeometry, seen: SeenPose, near: Pose) -> Pose:
     ahead = 1.0 - 2.0 * (qy * qy + qz * qz), 2.0 * (qx * qy + qz * qw), 2.0 * (qx * qz - qy * qw)
     along = ahead[1] * math.cos(round_it) - ahead[0] * math.sin(round_it)
     return Pose(tank.radius_m * (round_it + turns), height, math.atan2(ahead[2], along))
+
+
+def place_of(geometry: ClimberGeometry, seen: Snapshot[ClimberMotion, ClimberState]) -> Pose | None:
+    """Return its pose on the unrolled tank; None where that is the cameras', and they have not seen it."""
+    located = seen.located
+    if located is None:
+        return placed(geometry, seen.pose)
+    return None if located.source is Source.UNSEEN else located.pose
 
 
 def track_on(geometry: ClimberGeometry, heading_rad: float, joint_rad: float | None = None) -> float:

@@ -20,6 +20,7 @@ from firmware_bridge.teleop.station import (
     Actuator,
     Fixed,
     Gauge,
+    Margin,
     StationRows,
     Stick,
     StickAxis,
@@ -89,8 +90,13 @@ def _steer_deg(seen: Snapshot[RarsMotion, RarsState]) -> float | None:
     return None if seen.body.steer_rad is None else math.degrees(seen.body.steer_rad)
 
 
-def _margin_mm(seen: Snapshot[RarsMotion, RarsState]) -> float | None:
+def _margin_mm(_robot: Robot[RarsGeometry], seen: Snapshot[RarsMotion, RarsState]) -> float | None:
     return None if seen.body.margin_m is None else 1000.0 * seen.body.margin_m
+
+
+def _least_mm(robot: Robot[RarsGeometry]) -> float | None:
+    balance = robot.geometry.balance
+    return None if balance is None else 1000.0 * balance.least_margin_m
 
 
 STATION: Final[StationRows[RarsGeometry, RarsMotion, RarsState]] = StationRows(
@@ -127,14 +133,8 @@ STATION: Final[StationRows[RarsGeometry, RarsMotion, RarsState]] = StationRows(
     values=(
         Value("STEER", SECOND // 10, _steer_deg, "inner wheel, deg, left positive"),
         Value("ZPOS", SECOND // 5, lambda seen: seen.body.lift_m, "m above collapsed"),
-        Value(
-            "MARGIN",
-            SECOND // 5,
-            _margin_mm,
-            "mm, of the zero-moment point inside the support",
-            of=lambda robot: robot.geometry.balance is not None,
-        ),
     ),
+    margin=Margin(_margin_mm, _least_mm, "mm", "zero-moment point inside the support"),
     gauges=(
         Gauge(
             STEERING,

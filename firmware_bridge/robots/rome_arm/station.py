@@ -8,6 +8,7 @@ from firmware_bridge.robot import Robot
 from firmware_bridge.robots.ar2 import station as arms
 from firmware_bridge.robots.ar2.motion import Ar2Motion as ArmMotion
 from firmware_bridge.robots.rome import station as bases
+from firmware_bridge.robots.rome_arm.balance import balance
 from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
 from firmware_bridge.robots.rome_arm.halves import ARM, BASE, Half, Seen
 from firmware_bridge.robots.rome_arm.motion import RomeArmMotion, RomeArmState
@@ -16,6 +17,7 @@ from firmware_bridge.teleop.station import (
     USUAL_AXES,
     Fixed,
     Gauge,
+    Margin,
     StationRows,
     Stick,
     StickAxis,
@@ -68,6 +70,16 @@ def _gauge(row: Gauge[Any]) -> Gauge[RomeArmGeometry]:
     )
 
 
+def _margin_mm(robot: Robot[RomeArmGeometry], seen: Snapshot[RomeArmMotion, RomeArmState]) -> float | None:
+    if any(axis.reference_lost for axis in seen.facts.axes.values()):
+        return None
+    return 1000.0 * balance(robot.geometry, seen.body.arm.angles).room_m
+
+
+def _least_mm(robot: Robot[RomeArmGeometry]) -> float:
+    return 1000.0 * robot.geometry.balance.margin_m
+
+
 _TOOL: Final = tuple(row for row in arms.STATION.values if row.name.startswith("TOOL"))
 """The tool's rows without the arm's clock, which is the base's: it is sent once."""
 
@@ -91,6 +103,7 @@ STATION: Final[StationRows[RomeArmGeometry, RomeArmMotion, RomeArmState]] = Stat
             "of the path that is followed, 1 as it is planned",
         ),
     ),
+    margin=Margin(_margin_mm, _least_mm, "mm", "center of gravity inside the wheels"),
     parameters=(
         *_parameters(BASE, bases.STATION.parameters),
         *_parameters(ARM, arms.STATION.parameters, "TOOL_"),

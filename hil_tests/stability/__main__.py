@@ -1,0 +1,65 @@
+"""Drive a list of manoeuvres with RARS's governor and without it, on all cores, and count what tips over.
+
+`python -m hil_tests.stability usual --first 0 --count 1000`; the lists are in lists.toml. The exit status is
+1 where one tips with the governor, or too few without it: then the list shows nothing.
+"""
+
+# ruff: noqa: T201 - it prints its progress
+
+import argparse
+import os
+import sys
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+from functools import cache, partial
+
+from hil_tests.stability.manoeuvres import LISTS, Driver, drawn, robot
+
+TOGETHER = 25
+"""Manoeuvres that one process drives before it reports."""
+
+
+@cache
+def driver(*, governed: bool) -> Driver:
+    """Return this process's driver."""
+    return Driver(robot(governed=governed))
+
+
+def tipped(seeds: Iterable[int], *, hard: bool) -> tuple[list[int], list[int]]:
+    """Return the seeds of what tips with the governor, and without it."""
+    manoeuvres = [drawn(seed, hard=hard) for seed in seeds]
+    with_it, without = (
+        [one.seed for one in manoeuvres if driver(governed=governed).tips(one)] for governed in (True, False)
+    )
+    return with_it, without
+
+
+def main() -> int:
+    """Drive them; exit status 1 where the governor fails, or the list shows nothing."""
+    words = argparse.ArgumentParser(prog="stability", description=__doc__)
+    words.add_argument("list", choices=LISTS)
+    words.add_argument("--first", type=int, default=0, help="the first seed")
+    words.add_argument("--count", type=int, help="the whole list unless given")
+    words.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    given = words.parse_args()
+    chosen = LISTS[given.list]
+    count = chosen.count if given.count is None else given.count
+    seeds = range(given.first, given.first + count)
+    parts = [seeds[place : place + TOGETHER] for place in range(0, count, TOGETHER)]
+    governed: list[int] = []
+    free: list[int] = []
+    with ProcessPoolExecutor(given.jobs) as pool:
+        for number, found in enumerate(pool.map(partial(tipped, hard=chosen.hard), parts), 1):
+            governed += found[0]
+            free += found[1]
+            done = min(number * TOGETHER, count)
+            print(
+                f"{done} of {count}: {len(governed)} tip with the governor, {len(free)} without", flush=True
+            )
+    if governed:
+        print(f"seeds that tip with the governor: {governed}")
+    return int(bool(governed) or 1000 * len(free) < chosen.of_1000 * count)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
