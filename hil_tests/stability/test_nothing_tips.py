@@ -2,11 +2,17 @@
 
 import math
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
+from emulators.bench.bench_setup import bench_setup_of
+from emulators.bench.mission import find
+from emulators.rig import Rig
 from emulators.robots.rars import RarsStep
+from emulators.run import RunOrder, operator_of
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.units import SECOND
 from hil_tests.scenarios.ride import ARMED, SETTLED_S, Ride, fault, ride, step
 from hil_tests.stability.manoeuvres import HEAVIEST_KG, LASTS_S, LISTS, Driver, drawn, robot
 
@@ -66,6 +72,46 @@ def test_of_the_hard_ones_more_than_a_fifth_tip_without_it_and_none_with_it(
 @pytest.mark.parametrize("first", range(USUAL.in_make_test, USUAL.in_long_lane, PART))
 def test_nothing_of_the_whole_list_tips_over_with_the_governor(governed: Driver, first: int) -> None:
     assert tipped(governed, range(first, first + PART), hard=False) == []
+
+
+OF_GOVERNOR = {"margin limit", "lift margin limit", "tilt unknown"}
+SETTLED = 2 * SECOND
+
+
+def taken_by_the_governor(mission: str) -> set[str]:
+    """Return which of the governor's rules are active in a shipped mission; the robot must not tip over."""
+    machine = robot(governed=True)
+    setup = bench_setup_of(machine)
+    script = find(mission, machine, setup)
+    order = RunOrder(machine, setup, mission, script, 0, Path())
+    rig = Rig(
+        script.on(machine),
+        setup,
+        operator_of(order),
+        noise=script.noise,
+        link=script.conditions,
+        faults=script.fault,
+    )
+    rig.run(order.duration)
+    assert rig.devices.plant.read("tipped") == 0.0
+    rig.finish()
+    assert len(rig.samples) > 100
+    # Until the filter of the IMU has settled, for 1 s after the start, the tilt is unknown.
+    late = {one.name for one in rig.interlock_events if one.ended is None or one.ended > SETTLED}
+    return late & OF_GOVERNOR
+
+
+def test_the_governor_takes_no_part_in_the_mission_line() -> None:
+    assert taken_by_the_governor("line") == set()
+
+
+@pytest.mark.long(beside="test_the_governor_takes_no_part_in_the_mission_line")
+@pytest.mark.parametrize(
+    "mission",
+    ["thesis", "pursuit", "stuck", "interlocks", "left_failed", "steering_failed", "circles"],
+)
+def test_the_governor_takes_no_part_in_a_shipped_mission(mission: str) -> None:
+    assert taken_by_the_governor(mission) == set()
 
 
 @pytest.fixture

@@ -4,16 +4,21 @@ Ours are the plant's own wheel loads, and the interlock of the turn; the indepen
 """
 
 import math
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from emulators.robots.rars import steer_of_radius
+from firmware_bridge.motion.scissor import screw_from_height
 from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars.rules import tipping_speed
 from firmware_bridge.units import STANDARD_GRAVITY
-from validation.rars.plant import PLAIN, P, Plant
-from validation.studies.solve import Floats, root
+from fmu.build import ensure
+from fmu.plant import FmuPlant
+from fmu.rars_tipping.interface import INPUTS, OUTPUTS
+from fmu.rars_tipping.parameters import SETS
+from validation.rars.plant import PLAIN, STEP, P, Plant
+from validation.studies.solve import root
 from validation.studies.study import Compared, Curve, Findings, Plot
 
 G: Final = P["gravity"]
@@ -28,6 +33,12 @@ OF_THE_PRINT: Final = 0.141
 
 NO_FIGURES: Final = (
     "The source's figures are not at hand, only its text and equations: the curves are of its equations."
+)
+
+
+RECTANGLE: Final = (
+    "The static angles are of the plant rars_tipping, on the source's rectangle; on the wheels' own trapezium "
+    "it tips sideways at 25.3°."
 )
 
 
@@ -68,6 +79,22 @@ def tipping(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                 float(limits[0]),
                 1e-6,
                 "rounded in print; (2.5) lacks Z_cg, (2.6) and (2.7) have it",
+            ),
+            *(
+                Compared(
+                    f"static angle at which it tips {way}, table at 1.5 m, 10 kg on it",
+                    "°",
+                    printed,
+                    math.degrees(math.atan(arm / _height(1.5, 10.0))),
+                    _tips_at(uphill),
+                    0.1,
+                    "the print lifts 8 kg of scissor by h / 2 from the floor on: 0.410 m; from the retracted "
+                    "table on, which leaves its 0.190 m there, it is 0.404 m",
+                )
+                for way, arm, uphill, printed in (
+                    ("backwards", 0.141, 0.0, 19.0),
+                    ("sideways", 0.168, math.pi / 2.0, 22.3),
+                )
             ),
         ),
         plots=(
@@ -134,13 +161,15 @@ def tipping(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                     for load in (0.0, 10.0)
                     for way, arm in (("backwards", 0.141), ("sideways", 0.168))
                 ),
-                "Center of gravity with lift height h and payload m_p at its top (assumed): 62 kg at 190 mm, "
-                "8 kg of scissor at h / 2; arms 141 mm and 168 mm; Tab. 2.1 has 0.5 to 1.5 m.",
+                "Center of gravity with lift height h and payload m_p at its top (assumed): 190 mm at "
+                "h = 0.5 m, 8 kg of scissor rise by (h - 0.5 m) / 2; arms 141 mm and 168 mm; Tab. 2.1 has "
+                "0.5 to 1.5 m.",
             ),
         ),
         remarks=(
             NO_FIGURES,
-            "The plant shifts load along, not across: sideways it cannot tip, so the turn has no run of it.",
+            "The usual plant shifts load along, not across: the turn has no run of it.",
+            RECTANGLE,
         ),
     )
 
@@ -196,6 +225,30 @@ def _pushed(offset: float, slope: float, push: float) -> tuple[float, float]:
     return float(np.mean(loads)), (speeds[-1] - speeds[0]) / (1e-4 * (len(speeds) - 1))
 
 
-def _height(heights: Floats, payload: float) -> Floats:
-    height: Floats = (62.0 * 0.190 + 8.0 * heights / 2.0 + payload * heights) / (70.0 + payload)
-    return height
+def _tips_at(uphill: float) -> float:
+    """Return the slope in degrees at which the plant that tips over has no margin left, at standstill.
+
+    `uphill`: its direction from the robot's nose, rad.
+    """
+    screw = screw_from_height(find("rars").geometry.lift, 1.0)
+    start = {
+        **SETS["2.3.1_rectangle"],
+        "angle_lift": screw * P["gear_lift"],
+        "lift_payload": 10.0,
+        "slope_heading": uphill,
+        "floor_friction": 1.0,
+        "coulomb_left": 50.0,
+        "coulomb_right": 50.0,
+    }
+
+    def margin(degrees: float) -> float:
+        values = {**start, "slope": math.radians(degrees)}
+        with FmuPlant(ensure("rars_tipping"), tuple(INPUTS), tuple(OUTPUTS), values, STEP) as plant:
+            plant.step()
+            return plant.read("zmp_margin")
+
+    return root(margin, 5.0, 30.0)
+
+
+def _height(heights: Any, payload: float) -> Any:
+    return (70.0 * 0.190 + 8.0 * (heights - 0.5) / 2.0 + payload * heights) / (70.0 + payload)
