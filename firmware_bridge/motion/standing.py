@@ -19,7 +19,7 @@ _LEVEL: Final = 1e-12
 class Standing:
     """One robot at one instant."""
 
-    __slots__ = ("_across", "_along", "_edges", "_normal", "height_m")
+    __slots__ = ("_across", "_along", "_edges", "_normal", "_x", "height_m")
 
     def __init__(
         self,
@@ -34,6 +34,7 @@ class Standing:
         of 90 degrees or more, or a centre of mass in the floor.
         """
         x, y, self.height_m = centre
+        self._x: Final = x
         self._normal: Final = STANDARD_GRAVITY * math.cos(pitch_rad) * math.cos(roll_rad)
         if not (self._normal > _LEVEL and self.height_m > 0.0 and abs(pitch_rad) < math.pi / 2.0):
             raise ValueError(f"tilted by {pitch_rad:g} and {roll_rad:g} rad, centre at {self.height_m:g} m")
@@ -75,6 +76,31 @@ class Standing:
             elif room < least_m:
                 return 0.0
         return top
+
+    def friction(self, holding_m: float, rolling_m: float) -> float:
+        """Return the friction coefficient that keeps it at rest; inf where none does.
+
+        Only the axle at `holding_m` ahead holds it along, the one at `rolling_m` rolls; across both do.
+        """
+        ahead = self._x + self.height_m * self._along / self._normal
+        share = (ahead - rolling_m) / (holding_m - rolling_m)
+        return math.hypot(self._along / share, self._across) / self._normal if share > 0.0 else math.inf
+
+    def highest_held(self, friction: float, holding_m: float, rolling_m: float) -> float:
+        """Return the height of the centre of mass, m, up to which so much friction keeps it at rest.
+
+        As `friction`; inf where any height does, 0 where none.
+        """
+        bears = (friction * self._normal) ** 2 - self._across**2
+        if bears <= 0.0:
+            return 0.0
+        least = abs(self._along) / math.sqrt(bears)
+        low = (self._x - rolling_m) / (holding_m - rolling_m)
+        # The holding axle's share of the weight changes so much with each meter of height.
+        change = self._along / self._normal / (holding_m - rolling_m)
+        if change >= 0.0:
+            return math.inf if low + change * self.height_m >= least else 0.0
+        return max((low - least) / -change, 0.0)
 
     def safe_speed(self, direction: float) -> float:
         """Return the speed in m/s at which not even a stop at once could tip it; ahead for a positive one.

@@ -5,8 +5,9 @@ from typing import Final
 
 import pytest
 
+from firmware_bridge.motion.standing import Standing
 from fmu.rars_tipping.parameters import SETS
-from hil_tests.fmu.tipping_bench import BRAKED, GRIPS, LOADS, RAISED, P, rolling, tipping
+from hil_tests.fmu.tipping_bench import BRAKED, GRIPS, LOADS, RAISED, RECTANGLE, P, rolling, tipping
 
 REAR_HEAVY: Final = SETS["2.3.1"]
 MAX_SPEED: Final = 0.5
@@ -110,3 +111,17 @@ def test_the_pendulum_turns_as_its_closed_form_does() -> None:
         middle = (first["pitch"] + second["pitch"]) / 2
         wanted = -mass * 9.81 * arm * math.cos(angle + middle + slope) / inertia
     assert (second["pitch_rate"] - first["pitch_rate"]) / 0.1 == pytest.approx(wanted, rel=0.02)
+
+
+@pytest.mark.parametrize(("share", "slides"), [(0.93, True), (1.07, False)])
+def test_nose_downhill_its_rear_wheels_hold_it_by_their_share_of_the_load(
+    share: float, *, slides: bool
+) -> None:
+    """The same moments as the governor's: 10 kg on the raised table, 18 degrees, front wheels that roll."""
+    pitch = math.radians(-18.0)
+    contacts = ((0.0, -0.168), (0.515, -0.168), (0.515, 0.168), (0.0, 0.168))
+    needed = Standing(contacts, (0.141, 0.0, 0.4038), pitch).friction(0.0, 0.515)
+    grip = {"floor_friction": share * needed}
+    with tipping(RECTANGLE, BRAKED, RAISED, grip, slope=-pitch, slope_heading=math.pi) as bench:
+        now = bench.runs(2.0)
+    assert (abs(now["speed"]) > 0.1) is slides

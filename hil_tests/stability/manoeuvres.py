@@ -43,6 +43,7 @@ mass_kg = 70.6
 scissor_kg = 8.0
 table_height_m = 0.5
 payload_kg = 10.0
+floor_friction = 1.0
 payload_aside_m = 0.071
 """
 

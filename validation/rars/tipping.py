@@ -37,8 +37,8 @@ NO_FIGURES: Final = (
 
 
 RECTANGLE: Final = (
-    "The static angles are of the plant rars_tipping, on the source's rectangle; on the wheels' own trapezium "
-    "it tips sideways at 25.3°."
+    "The static angles are of the plant rars_tipping, on the source's rectangle; on the wheels' own "
+    "trapezium it tips sideways at 25.3°."
 )
 
 

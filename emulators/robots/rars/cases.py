@@ -21,7 +21,13 @@ WELL: Final = RarsState(
     steer_rad=0.0, lift_m=0.0, screw_rad_s=0.0, speed_mps=0.0, yaw_rate_rad_s=0.0, tilt_rad=(0.0, 0.0)
 )
 BALANCE: Final = Balance(
-    pitch="pitch", roll="roll", mass_kg=70.0, scissor_kg=8.0, table_height_m=0.5, payload_kg=10.0
+    pitch="pitch",
+    roll="roll",
+    mass_kg=70.0,
+    scissor_kg=8.0,
+    table_height_m=0.5,
+    payload_kg=10.0,
+    floor_friction=1.0,
 )
 STEEP_RAD: Final = 0.44
 JUST: Final = 1.0 + 1e-5

@@ -65,6 +65,8 @@ class Balance(Table):
     """Over the floor, retracted."""
     payload_kg: NonNegative
     """The heaviest that is put on: every margin is judged with it, as it raises the centre of mass."""
+    floor_friction: Positive
+    """The least of the floors that it drives on: its driven wheels have to hold it on a slope."""
     payload_aside_m: NonNegative = 0.0
     """The farthest that it stands beside the centre of mass, in any direction."""
     least_margin_m: Positive = 0.010

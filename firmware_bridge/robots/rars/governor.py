@@ -22,6 +22,8 @@ BRAKES: Final = 0.03 * STANDARD_GRAVITY
 """Braking that is always allowed, m/s2: at the safe speed not even a stop at once tips the robot over."""
 STARTS: Final = 0.01 * STANDARD_GRAVITY
 """A direction in which the robot may not accelerate with so much, m/s2, is not driven in."""
+HOLDS: Final = 1.15
+"""The floor's friction by what holds the robot at least: the tilt's error is in it, and a load put on."""
 STEEPEST_RAD: Final = math.radians(60.0)
 """A tilt beyond it is no floor that it drives on."""
 
@@ -84,6 +86,8 @@ class Governor:
         standing, balance = self._standing(state.lift_m, state.tilt_rad), self._balance
         if standing is None or balance is None:
             return math.inf
+        if self._friction(standing) > balance.floor_friction:
+            return 0.0
         needed = balance.needed(standing.height_m)
         low, high = standing.accelerations(0.0, needed)
         if (high < STARTS) if direction > 0.0 else (low > -STARTS):
@@ -95,12 +99,31 @@ class Governor:
         room = left if bend_per_m > 0.0 else -right
         return min(top, math.sqrt(max(MARGIN * room, 0.0) / abs(bend_per_m)))
 
+    def slides(self, state: RarsState) -> str:
+        """Return why its rear wheels would not hold it on the slope; empty where they do."""
+        standing, balance = self._standing(state.lift_m, state.tilt_rad), self._balance
+        if standing is None or balance is None:
+            return ""
+        needed = self._friction(standing)
+        if needed <= balance.floor_friction:
+            return ""
+        return (
+            f"its rear wheels need a friction of {needed:.2f} to hold it, the floor has "
+            f"{balance.floor_friction:.2f}"
+        )
+
+    def _friction(self, standing: Standing) -> float:
+        return HOLDS * standing.friction(0.0, self._base.wheelbase_m)
+
     def highest_lift(self, state: RarsState) -> float:
         """Return the height above retracted, in m, up to which the table may rise; inf for any."""
         standing, balance = self._standing(state.lift_m, state.tilt_rad), self._balance
         if standing is None or balance is None:
             return math.inf
-        height = standing.highest(balance.needed(standing.height_m))
+        height = min(
+            standing.highest(balance.needed(standing.height_m)),
+            standing.highest_held(balance.floor_friction / HOLDS, 0.0, self._base.wheelbase_m),
+        )
         return math.inf if height == math.inf else balance.lift_for(self._base, height)
 
     def _standing(self, lift_m: float | None, tilt_rad: tuple[float, float] | None) -> Standing | None:

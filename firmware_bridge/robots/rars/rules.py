@@ -179,13 +179,15 @@ def _margin(view: View) -> tuple[RarsMotion, str | None]:
     if view.geometry.balance is None or motion.speed_mps == 0.0:
         return motion, None
     bend = davis.curvature(view.geometry.base, steered(view.body))
-    high = Governor(view.geometry).top_speed(view.body, motion.speed_mps, bend)
+    governor = Governor(view.geometry)
+    high = governor.top_speed(view.body, motion.speed_mps, bend)
     if abs(motion.speed_mps) <= high:
         return motion, None
     margin = view.body.margin_m
-    stands = "" if margin is None else f", the standing margin is {1000.0 * margin:.0f} mm"
+    stands = "" if margin is None else f"the standing margin is {1000.0 * margin:.0f} mm"
+    why = ", ".join(filter(None, ("", governor.slides(view.body) or stands)))
     return replace(motion, speed_mps=math.copysign(high, motion.speed_mps)), (
-        f"requested {motion.speed_mps:.2f} m/s, allowed is {high:.2f} m/s{stands}"
+        f"requested {motion.speed_mps:.2f} m/s, allowed is {high:.2f} m/s{why}"
     )
 
 

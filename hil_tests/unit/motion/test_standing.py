@@ -93,3 +93,35 @@ def test_a_robot_that_turns_over_by_itself_has_no_safe_speed() -> None:
 def test_a_tilt_that_no_robot_stands_on_is_refused(tilt: tuple[float, float]) -> None:
     with pytest.raises(ValueError, match="tilted by"):
         Standing(TRAPEZIUM, (BACK, 0.0, 0.19), *tilt)
+
+
+def test_nose_downhill_the_rear_wheels_bear_less_and_hold_less() -> None:
+    down, up = (
+        Standing(TRAPEZIUM, (BACK, 0.0, 0.404), math.radians(degrees)).friction(0.0, WHEELBASE)
+        for degrees in (-20.0, 20.0)
+    )
+    # The rear pair's share by moments about the front contacts: (0.515 - 0.141 -+ 0.404 tan 20) / 0.515.
+    assert down == pytest.approx(math.tan(math.radians(20.0)) / 0.44070, rel=1e-4)
+    assert up == pytest.approx(math.tan(math.radians(20.0)) / 1.01174, rel=1e-4)
+    # Across the slope all wheels hold, whatever the height.
+    across = Standing(TRAPEZIUM, (BACK, 0.0, 0.404), 0.0, math.radians(20.0))
+    assert across.friction(0.0, WHEELBASE) == pytest.approx(math.tan(math.radians(20.0)))
+    assert Standing(TRAPEZIUM, (BACK, 0.0, 0.404), math.radians(-45.0)).friction(0.0, WHEELBASE) == math.inf
+
+
+@given(ANGLES, ANGLES, st.floats(0.1, 1.2), st.floats(0.1, 0.6))
+def test_up_to_the_highest_that_is_held_the_friction_is_enough(
+    pitch: float, roll: float, friction: float, centre_height: float
+) -> None:
+    def needs(height_m: float) -> float:
+        return Standing(TRAPEZIUM, (BACK, 0.0, height_m), pitch, roll).friction(0.0, WHEELBASE)
+
+    standing = Standing(TRAPEZIUM, (BACK, 0.0, centre_height), pitch, roll)
+    highest = standing.highest_held(friction, 0.0, WHEELBASE)
+    if highest == math.inf:
+        assert needs(centre_height) <= friction * (1.0 + 1e-9)
+    elif highest > 1e-6:
+        assert needs(highest * 0.999) <= friction * (1.0 + 1e-9)
+        assert needs(highest * 1.001 + 1e-6) > friction
+    else:
+        assert needs(max(centre_height, 1e-3)) > friction * (1.0 - 1e-9)
