@@ -41,6 +41,11 @@ RARS: Final = (
         "the robot drives or lifts on a slope that no one measures",
         "a robot file without an IMU",
     ),
+    Function(
+        "load implausible",
+        "the robot tips under a load that is heavier than stated",
+        "found only while it drives on a slope; a robot file without the table for it",
+    ),
     Function("lift extended", "a robot with a raised load tips when it drives", PLANE),
     Function("lift moving", "base and lift move together, and the load sways", PLANE),
     Function("lift refused", "the lift rises while the robot drives", PLANE),

@@ -39,8 +39,8 @@ def test_every_interlock_in_the_tables_has_a_case(robot: Rars) -> None:
     rows = (*whole_robot_interlocks(rules.numbers, robot.links), *rules.interlocks, *AXIS_INTERLOCKS)
     names_of_rows = {row.name for row in rows}
     judged = {case.event if case.event in names_of_rows else case.event.split(":")[0] for case in CASES}
-    # The governor's needs an IMU; the robot's own boundary cases have one.
-    assert judged | {"tilt unknown"} == names_of_rows
+    # The governor's need an IMU; the robot's own boundary cases have one.
+    assert judged | {"tilt unknown", "load implausible"} == names_of_rows
     assert len(names_of_rows) == len(rows)
 
 

@@ -40,6 +40,7 @@ FOLLOWS: Final = {
     "steer angle unknown": (ALL, "blocks arming"),
     "lift height unknown": (ALL, "blocks arming"),
     "tilt unknown": (ALL, "blocks arming"),
+    "load implausible": (ALL, "disarms", "blocks arming"),
     # A lift comes down only when the robot is armed.
     "lift extended": ({"base"},),
     "lift moving": ({"base"},),

@@ -8,7 +8,7 @@ from typing import Final, TypeAlias
 from emulators.bench import cases as bench
 from firmware_bridge.motion import scissor
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rars.geometry import Balance, RarsGeometry
+from firmware_bridge.robots.rars.geometry import Balance, RarsGeometry, Weighing
 from firmware_bridge.robots.rars.governor import Governor
 from firmware_bridge.robots.rars.kinematics import ramp_of
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
@@ -148,6 +148,16 @@ def _balanced(robot: Robot[RarsGeometry]) -> Iterator[Case]:
         spares=Situation(body=WELL),
         reason="its tilt is not known: no reading of 'pitch' and 'roll'",
         robot=with_imu,
+    )
+    table = Weighing(acceleration="ahead", newton_per_ampere=20.0, resistance_n=8.0)
+    weighed = geometry.model_copy(update={"balance": BALANCE.model_copy(update={"weighing": table})})
+    most = 1.2 * BALANCE.heaviest_kg
+    yield Case(
+        "load implausible",
+        trips=Situation(body=replace(WELL, mass_kg=JUST * most)),
+        spares=Situation(body=replace(WELL, mass_kg=most)),
+        reason=f"by currents and IMU it weighs {JUST * most:.0f} kg, with payload_kg 80.0 kg; limit 96 kg",
+        robot=robot.model_copy(update={"geometry": weighed}),
     )
     steep = replace(WELL, tilt_rad=(STEEP_RAD, 0.0), margin_m=0.05)
     # Nose uphill: backwards it could tip over its rear wheels as it stops.

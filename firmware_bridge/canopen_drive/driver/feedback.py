@@ -53,7 +53,7 @@ class DriveFeedback:
         self.product: Final = product
         self._states: Final = product.states
         self._referenced: Final = product.referenced
-        self._amperes: Final = product.amperes
+        self._amperes: Final = axis.direction * product.amperes
         self._top_speed: Final = axis.top_speed
         self._lead_s: Final = DriveAxis.of(axis).position_lead_ms / 1000.0
         self.state: PowerState | None = None

@@ -46,6 +46,19 @@ class Degraded(Table):
     """The largest curvature to either side of the rack's that the wheels steer to then."""
 
 
+class Weighing(Table):
+    """What its motors' currents and the IMU show of its load."""
+
+    acceleration: SensorName
+    """The name of the sensor of its specific force ahead, m/s2."""
+    newton_per_ampere: Positive
+    """Force on the floor for each ampere of the sum of both driving motors' currents."""
+    resistance_n: NonNegative
+    """Force that drives it on the level."""
+    tolerance: Positive = 0.2
+    """Share by which the estimate may be above the mass with `payload_kg`."""
+
+
 class Balance(Table):
     """What keeps the base from tipping over: its masses, its tilt by an IMU, the margin that is kept.
 
@@ -73,6 +86,8 @@ class Balance(Table):
     """Least distance of the zero-moment point inside the support (2.3.1)."""
     tilt_error_deg: NonNegative = 1.0
     """Error of the IMU's pitch and roll that is allowed for."""
+    weighing: Weighing | None = None
+    """None: that no more than `payload_kg` is on it is not checked."""
     lift_while_driving: bool = False
     """Drive with the lift extended, too; [R] forbids it."""
 
@@ -87,6 +102,11 @@ class Balance(Table):
         total = self.mass_kg + self.payload_kg
         still = self.mass_kg * base.centre_of_gravity_height_m + self.payload_kg * self.table_height_m
         return (height_m * total - still) / (self.scissor_kg / 2.0 + self.payload_kg)
+
+    @property
+    def heaviest_kg(self) -> float:
+        """The mass with the heaviest payload."""
+        return self.mass_kg + self.payload_kg
 
     def needed(self, height_m: float) -> float:
         """Return the margin in m that is kept by a robot as it is measured."""

@@ -18,6 +18,7 @@ from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rars.geometry import RarsGeometry, RarsLimits
 from firmware_bridge.robots.rars.governor import Governor
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
+from firmware_bridge.robots.rars.weighing import Weigher
 from firmware_bridge.units import Nanoseconds, to_seconds
 
 BASE: Final = "base"
@@ -93,9 +94,12 @@ class Rars:
         self._ramp = ramp_of(robot, limits)
         self._rack = Rack(robot)
         self._governor = Governor(robot.geometry)
+        balance = robot.geometry.balance
+        weighing = None if balance is None else balance.weighing
         self._top_mps = limits.speed_mps
         self._left = robot.axis(LEFT_WHEEL).name
         self._right = robot.axis(RIGHT_WHEEL).name
+        self._weigher = None if weighing is None else Weigher(weighing, self._left, self._right)
         self._steering = robot.axis(STEERING).name
         self._screw = robot.axis(SCREW).name
         self.rolling: tuple[str, ...] = (self._left, self._right)
@@ -114,10 +118,12 @@ class Rars:
             lift = scissor.height_from_screw(self._lift, screw.position)
             turning = screw.velocity
         speed, yaw_rate = (left + right) / 2.0, (right - left) / self._base.rear_track_m
-        tilt = self._governor.tilt(sensors)
-        return RarsState(
-            steer, lift, turning, speed, yaw_rate, tilt_rad=tilt, margin_m=self._governor.margin(lift, tilt)
-        )
+        tilt, mass = self._governor.tilt(sensors), None
+        if self._weigher is not None:
+            self._weigher.take(axes, sensors, speed)
+            mass = self._weigher.mass_kg
+        margin = self._governor.margin(lift, tilt)
+        return RarsState(steer, lift, turning, speed, yaw_rate, tilt_rad=tilt, margin_m=margin, mass_kg=mass)
 
     def requested(self, motion: RarsMotion, state: RarsState) -> frozenset[str]:
         """Return the groups that the motion commands to move; a base that only steers is at standstill."""

@@ -36,6 +36,8 @@ class RarsState:
     """Pitch, nose up, and roll, left side up; None while they are unknown, or no IMU is there."""
     margin_m: float | None = None
     """Of the zero-moment point inside the support at standstill, with the heaviest payload; None: unknown."""
+    mass_kg: float | None = None
+    """By currents and IMU; None: not known, or not measured."""
 
 
 __getattr__ = renamed.module(__name__, __name__, Motion="RarsMotion", State="RarsState")

@@ -54,6 +54,20 @@ def _tilt_unknown(view: View) -> str | None:
     return f"its tilt is not known: no reading of '{balance.pitch}' and '{balance.roll}'"
 
 
+def _load_implausible(view: View) -> str | None:
+    """Judge the mass by currents and IMU: every margin rests on what the robot file states of the load."""
+    balance, mass = view.geometry.balance, view.body.mass_kg
+    if balance is None or balance.weighing is None or mass is None:
+        return None
+    most = (1.0 + balance.weighing.tolerance) * balance.heaviest_kg
+    if mass <= most:
+        return None
+    return (
+        f"by currents and IMU it weighs {mass:.0f} kg, with payload_kg {balance.heaviest_kg:.1f} kg; "
+        f"limit {most:.0f} kg"
+    )
+
+
 def _lift_extended(view: View) -> str | None:
     if view.geometry.balance is not None and view.geometry.balance.lift_while_driving:
         return None
@@ -101,6 +115,14 @@ INTERLOCKS: Final = (
     ),
     Interlock(
         "tilt unknown", _tilt_unknown, "check the IMU, its power and its cable", severity=Severity.ERROR
+    ),
+    Interlock(
+        "load implausible",
+        _load_implausible,
+        "take the load off, or state it as geometry.balance.payload_kg; then arm",
+        clear_after=LIMIT_CLEARS_AFTER,
+        severity=Severity.CRITICAL,
+        disarms=True,
     ),
     Interlock(
         "lift extended",
@@ -185,10 +207,10 @@ def _margin(view: View) -> tuple[RarsMotion, str | None]:
         return motion, None
     margin = view.body.margin_m
     stands = "" if margin is None else f"the standing margin is {1000.0 * margin:.0f} mm"
-    why = ", ".join(filter(None, ("", governor.slides(view.body) or stands)))
-    return replace(motion, speed_mps=math.copysign(high, motion.speed_mps)), (
-        f"requested {motion.speed_mps:.2f} m/s, allowed is {high:.2f} m/s{why}"
-    )
+    reason = f"requested {motion.speed_mps:.2f} m/s, allowed is {high:.2f} m/s"
+    why = governor.slides(view.body) or stands
+    slower = replace(motion, speed_mps=math.copysign(high, motion.speed_mps))
+    return slower, f"{reason}, {why}" if why else reason
 
 
 def _lift_margin(view: View) -> tuple[RarsMotion, str | None]:

@@ -47,7 +47,7 @@ def test_a_sensor_that_is_not_there_is_reported_by_its_key(table: str, reported:
     file = robots()["rars"]
     rars, imu = (file.with_name(f"{name}.toml").read_text(encoding="utf-8") for name in ("rars", "imu"))
     names = {"pitch": "pitch", "roll": "roll", table: "pitc"}
-    balance = EXACT.model_dump() | names
+    balance = EXACT.model_dump(exclude_none=True) | names
     rows = "\n".join(f"{key} = {json.dumps(value)}" for key, value in balance.items())
     with pytest.raises(RobotFileError, match=re.escape(reported)):
         parse(f"{rars}\n{imu}\n[geometry.balance]\n{rows}\n", "mine.toml")

@@ -128,6 +128,7 @@ LOUD = {
     "steer angle unknown": Severity.ERROR,
     "lift height unknown": Severity.ERROR,
     "tilt unknown": Severity.ERROR,
+    "load implausible": Severity.CRITICAL,
 }
 """All others are warnings."""
 
