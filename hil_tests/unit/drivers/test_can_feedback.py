@@ -243,3 +243,13 @@ def test_while_the_counter_is_set_no_way_is_a_motion(feedback: CanFeedback) -> N
     feedback.synchronized(9 * CYCLE)
     feedback.receive(0x282, sample(800), 9 * CYCLE + 1)
     assert (feedback.velocity, feedback.position_counts) == (0.0, 800)
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_current_has_the_sign_of_the_axis_direction(direction: int) -> None:
+    axis = AXIS.model_copy(update={"direction": direction})
+    feedback = CanFeedback(axis, product(axis))
+    feedback.expected = True
+    feedback.synchronized(0)
+    feedback.receive(0x282, sample(1_000, current=500), 1)
+    assert feedback.published().current_a == pytest.approx(direction * 0.5)
