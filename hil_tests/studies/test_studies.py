@@ -9,7 +9,7 @@ from validation.studies.shelf import studies
 from validation.studies.study import Study
 
 STUDIES: Final = {study.name: study for study in studies()}
-SHORT: Final = ("tipping", "torques", "sizing", "pivot", "polar_law")
+SHORT: Final = ("tipping", "torques", "sizing", "turning_circle", "pivot", "polar_law")
 """Studies that `make test` has time for; `make long` makes all of them, quick and whole."""
 
 

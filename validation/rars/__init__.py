@@ -59,4 +59,10 @@ STUDIES: Final = (
         f"{THESIS}, (2.9)-(2.18), (C.1)",
         f"{HERE}.sizing:sizing",
     ),
+    Study(
+        "turning_circle",
+        "The smallest circle that its steering turns on, within bounds",
+        f"{THESIS}, App. C",
+        f"{HERE}.turning_circle:turning_circle",
+    ),
 )
