@@ -29,6 +29,8 @@ LASTS_S: Final = 8.0
 LOADED: Final = 0.2
 """Share of the manoeuvres in which it is loaded with its table up."""
 LIFTS_S: Final = 20.0
+PARTS: Final = 10
+"""A load is put on within a second: one that drops makes the wheels give way, and the bridge take power."""
 SHIFTED_M: Final = 0.05
 """Largest shift of a load, ahead and to a side."""
 BEGINS_S: Final = 4.0
@@ -145,7 +147,10 @@ def _loaded(chance: np.random.Generator, made: Manoeuvre) -> Manoeuvre:
         slope_rad=float(steepness) * STEEPEST_RAD,
         payload=(
             (0.0, {"lift_payload": 0.0}),
-            (done_s, {"lift_payload": float(load) * HEAVIEST_KG}),
+            *(
+                (done_s + part / PARTS, {"lift_payload": part / PARTS * float(load) * HEAVIEST_KG})
+                for part in range(1, PARTS + 1)
+            ),
             (done_s + 1.0, {"payload_ahead": float(ahead), "payload_left": float(left)}),
         ),
         stick=(
