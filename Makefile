@@ -220,6 +220,7 @@ mutants: $(READY) ## break the program in one place at a time, for new results; 
 
 hour: $(READY) ## drive a simulated hour and watch the memory, and another and look for false alarms
 	@$(BIN)/python -m benchmarks.memory 60
+	@$(BIN)/python -m benchmarks.memory 10 --live
 	@$(BIN)/python -m benchmarks.false_alarms 60
 
 clean: ## remove what was built and measured; .venv stays

@@ -1,6 +1,8 @@
 """Check of a long run's memory: the mission `circles`, recorded to files, looked at each minute.
 
-Usage: python -m benchmarks.memory [MINUTES]    simulated time; 5 by default, `make hour` drives 60.
+Usage: python -m benchmarks.memory [MINUTES] [--live]    simulated time; 5 by default, `make hour` drives 60.
+
+With --live it runs behind the live page, one page open, which watches the frames.
 
 Some things grow by design, because the pictures and the summary at a run's end are made of them: a sample
 every 10 ms, the operator's diary, the holds. Samples and diary are freed at each minute's end, and listed
@@ -8,21 +10,31 @@ apart; what is left must not grow. Frames and messages go to files as they come.
 emptied before each look, since a mission may take many minutes to fill them; one without a bound counts.
 """
 
+import argparse
 import gc
 import sys
 import tempfile
 import tracemalloc
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Protocol
 
 from benchmarks.measure import resident_kib, show
 from benchmarks.realtime import rig_and_operator
+from emulators.bench.bench_setup import bench_setup_of
+from emulators.bench.mission import find as mission_of
 from emulators.bench.operator import ScriptedOperator
+from emulators.control.desk import Desk
+from emulators.control.live import Live
+from emulators.live.bench import LiveBench
+from emulators.paced import PacedRig
 from emulators.recorded import recorded
 from emulators.rig import Rig
-from firmware_bridge.units import from_seconds
+from emulators.run import RunOrder
+from firmware_bridge.live.messages import LIVE, OPENED
+from firmware_bridge.packet import Packet
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds, from_seconds
 
 MINUTES: Final = 5
 MINUTE_S: Final = 60.0
@@ -35,6 +47,7 @@ A list that takes one number a bridge cycle grows by 48,000. The interpreter's o
 bounded, still fill by some 1,500.
 """
 LARGEST_RESIDENT: Final = 1.05
+WOKEN_EVERY: Final[Nanoseconds] = 10 * MILLISECOND
 MEASURED: Final = ("emulators", "firmware_bridge", "fmu")
 KIB: Final = 1024
 
@@ -83,14 +96,36 @@ def look(rig: Rig, operator: ScriptedOperator) -> Mark:
     return Mark(samples, diary, left, resident_kib())
 
 
-def drive(minutes: int) -> list[Mark]:
+def behind_a_page(rig: Rig) -> Callable[[Nanoseconds], None]:
+    """Return what runs a rig up to an instant behind the live page, at the clock's pace."""
+    setup = bench_setup_of(rig.robot)
+    script = mission_of("circles", rig.robot, setup)
+    order = RunOrder(rig.robot, setup, "circles", script, 0, Path())
+    live = Live(rig.robot, rig.devices, rig.world, rig.devices.plant, rig.faults, in_reach=True)
+    paced = PacedRig(rig, NEVER)
+    page = LiveBench(rig, paced, Desk(paced, live, lambda _: None), order)
+    page.receive(Packet(LIVE, 1, OPENED), 0)
+    page.receive(Packet(LIVE, 1, b'{"id":1,"do":"watch_frames","on":true}'), 0)
+    woken = 0
+
+    def run(until: Nanoseconds) -> None:
+        nonlocal woken
+        while woken < until:
+            woken += WOKEN_EVERY
+            page.wake(woken)
+
+    return run
+
+
+def drive(minutes: int, *, live: bool) -> list[Mark]:
     """Drive so many minutes; return what was seen at the end of each."""
     rig, operator = rig_and_operator()
+    run = behind_a_page(rig) if live else rig.run
     marks = []
     tracemalloc.start()
     with tempfile.TemporaryDirectory() as folder, recorded(rig, Path(folder)):
         for minute in range(1, minutes + 1):
-            rig.run(from_seconds(minute * MINUTE_S))
+            run(from_seconds(minute * MINUTE_S))
             marks.append(look(rig, operator))
     tracemalloc.stop()
     rig.finish()
@@ -102,14 +137,14 @@ def shown(marks: list[Mark]) -> list[int]:
     return [n for n in range(1, len(marks) + 1) if n <= MINUTES or n % 10 == 0 or n == len(marks)]
 
 
-def main(minutes: int) -> int:
+def main(minutes: int, *, live: bool) -> int:
     """Print the memory; 1 where it grows."""
     if minutes <= WARM_UP:
         print(f"at least {WARM_UP + 1} minutes, not {minutes}", file=sys.stderr)
         return 2
-    marks = drive(minutes)
+    marks = drive(minutes, live=live)
     show(
-        f"circles, {minutes} simulated minutes: memory at the end of a minute",
+        f"circles{' with a page' if live else ''}, {minutes} simulated minutes: memory at a minute's end",
         ("minute", "resident MiB", "left KiB", "samples KiB", "diary KiB"),
         [
             [
@@ -133,4 +168,8 @@ def main(minutes: int) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else MINUTES))
+    words = argparse.ArgumentParser(prog="memory", description=__doc__)
+    words.add_argument("minutes", nargs="?", type=int, default=MINUTES)
+    words.add_argument("--live", action="store_true")
+    given = words.parse_args()
+    sys.exit(main(given.minutes, live=given.live))
