@@ -54,6 +54,12 @@ STUDIES: Final = (
         f"{HERE}.runs:line_and_circles",
     ),
     Study(
+        "slip_circle",
+        "A circle of 5 m on tyres that slip: where it ends",
+        f"{THESIS}, 3.4.4, 3.4.5, Fig. 3.12-3.19",
+        f"{HERE}.slip_circle:slip_circle",
+    ),
+    Study(
         "sizing",
         "What its motors must give: traction, steering, screw",
         f"{THESIS}, (2.9)-(2.18), (C.1)",

@@ -105,7 +105,7 @@ def torques(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                 "time [s]",
                 "speed of the center of mass [m/s]",
                 (
-                    Curve("R d(beta)/dt", times, [RADIUS * _angle(at)[1] for at in times]),
+                    Curve("R d(beta)/dt", times, [RADIUS * turned_by(at)[1] for at in times]),
                     Curve("limit of the robot, 0.5 m/s", [0.0, LASTS], [0.5, 0.5], "dashed"),
                 ),
                 "beta(t) = 20 pi s³ - 30 pi s⁴ + 12 pi s⁵, s = t / T (3.41).",
@@ -115,7 +115,7 @@ def torques(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
     )
 
 
-def _angle(at: float) -> tuple[float, float, float]:
+def turned_by(at: float) -> tuple[float, float, float]:
     """Return beta and its rates (3.41)."""
     s = at / LASTS
     return (
@@ -127,14 +127,14 @@ def _angle(at: float) -> tuple[float, float, float]:
 
 def _place(at: float) -> tuple[float, float, float]:
     """Return the rear axle's middle, sqrt(R2 - a2) from the center, and the heading; O3 is on the circle."""
-    beta = _angle(at)[0]
+    beta = turned_by(at)[0]
     inner = math.sqrt(RADIUS**2 - AHEAD**2)
     return inner * math.cos(beta), inner * math.sin(beta), beta + math.pi / 2.0
 
 
 def _motion(at: float) -> tuple[float, float, float, float, float]:
     """Return heading, speed of the axle's middle, yaw rate, and the rates of both."""
-    beta, rate, change = _angle(at)
+    beta, rate, change = turned_by(at)
     inner = math.sqrt(RADIUS**2 - AHEAD**2)
     return beta + math.pi / 2.0, inner * rate, rate, inner * change, change
 
