@@ -49,6 +49,7 @@ def run(given: LiveOptions) -> None:
     with one_message(ExtraMissingError), from_extras():
         from firmware_bridge.live.player import Player
         from firmware_bridge.live.recording import Recording
+        from firmware_bridge.live.state import outline_named
         from firmware_bridge.mcap_file.reader import metadata
 
         try:
@@ -58,7 +59,8 @@ def run(given: LiveOptions) -> None:
             reason = getattr(error, "strerror", None) or error
             raise refusal(f"{path}: cannot be read as a recording in MCAP: {reason}", WRONG_INPUT) from None
     title = ", ".join(filter(None, (about.get("robot", ""), about.get("mission", "")))) or path.name
-    player = Player(recording, title, given.device or "", incidents(path, about.get("robot", "")))
+    robot = about.get("robot", "")
+    player = Player(recording, title, given.device or "", incidents(path, robot), outline_named(robot))
     carry(player, {LIVE: page_port}, until(given.duration), f"playing {path}", clock=LivedClock())
 
 

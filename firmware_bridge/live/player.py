@@ -15,7 +15,7 @@ from firmware_bridge.live.messages import (
     encoded,
 )
 from firmware_bridge.live.recording import MOST_FRAMES, Recording
-from firmware_bridge.live.state import Json
+from firmware_bridge.live.state import Json, Outline
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
@@ -40,9 +40,18 @@ class Player:
     """A node that has only pages."""
 
     def __init__(
-        self, recording: Recording, title: str, device: str = "", incidents: "Sequence[Json]" = ()
+        self,
+        recording: Recording,
+        title: str,
+        device: str = "",
+        incidents: "Sequence[Json]" = (),
+        outline: "Sequence[Outline]" = (),
     ) -> None:
-        """Take the recording, its title, the family of nodes whose mapping it lacks, and its incidents."""
+        """Take the recording, its title, the family of nodes whose mapping it lacks, and its incidents.
+
+        `outline` is its robot's; none: an arrow.
+        """
+        self._outline: Final = list(outline)
         self._incidents: Final = list(incidents)
         self._recording: Final = recording
         self._title: Final = title
@@ -181,7 +190,7 @@ class Player:
             "title": self._title,
             "mode": "recording",
             "axes": self._recording.axes,
-            "outline": [],
+            "outline": self._outline,
             "faults": [],
             "can": list(self._does),
         }

@@ -7,12 +7,14 @@ from typing import Any, Final, TypeAlias
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.drivers.driver import Feedback, Position, SetPoint, Speed
 from firmware_bridge.intent import NEVER_RECEIVED
-from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot_types import robot_type_of
+from firmware_bridge.robot import AnyRobot, RobotFileError
+from firmware_bridge.robot_types import find, robot_type_of
 from firmware_bridge.safety.snapshot import Tracking
 from firmware_bridge.units import to_seconds
 
 Json: TypeAlias = dict[str, Any]
+Outline: TypeAlias = list[list[float]]
+"""A polygon: its corners, m."""
 DIGITS: Final = 6
 """Significant digits of a number on the page."""
 
@@ -30,7 +32,15 @@ def axes_of(robot: AnyRobot) -> list[Json]:
     ]
 
 
-def outline_of(robot: AnyRobot) -> list[list[list[float]]]:
+def outline_named(name: str) -> list[Outline]:
+    """Return an installed robot from above by its name; none of another one."""
+    try:
+        return outline_of(find(name))
+    except RobotFileError:
+        return []
+
+
+def outline_of(robot: AnyRobot) -> list[Outline]:
     """Return the robot from above: polygons in its own axes, m, the body first; none: an arrow."""
     drawing = robot_type_of(robot).drawing
     if drawing is None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from firmware_bridge.live.state import outline_of
+from firmware_bridge.live.state import outline_named, outline_of
 from firmware_bridge.robot_types import find
 from hil_tests.live.shown_bench import shown
 
@@ -80,3 +80,8 @@ def test_a_robot_without_an_arm_has_none() -> None:
     with shown("rome", "line") as bench:
         bench.opens()
         assert bench.state()["arm"] == []
+
+
+def test_a_recording_shows_the_robot_that_it_names_where_that_is_installed() -> None:
+    assert outline_named("rars") == outline_of(find("rars"))
+    assert outline_named("no_such_robot") == outline_named("") == []

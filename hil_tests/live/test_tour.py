@@ -164,6 +164,7 @@ def test_a_recording_is_played_in_a_browser(
     page.opens(address(under_test((*PROGRAM, "live", recorded))), *WIDE)
     page.waits("known.state?.at_s > 0.2")
     assert page.value("document.getElementById('stop').offsetParent") is None, "a recording cannot be stopped"
+    assert page.value("document.querySelectorAll('#robot polygon').length") == 5
     page.value(REWIND % 6)
     page.waits("known.state.at_s >= 6 && known.state.armed")
     page.screenshot(tmp_path / "recording.png")
