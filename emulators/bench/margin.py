@@ -15,14 +15,13 @@ AnyMargin = Margin[Any, Any, Any]
 
 def margin_of(robot: AnyRobot) -> AnyMargin | None:
     """Return a robot's row; None where its file has no data for it."""
-    row = robot_type_of(robot).station.margin
-    return None if row is None or row.least(robot) is None else row
+    return robot_type_of(robot).station.margin_of(robot)
 
 
 def columns(robot: AnyRobot) -> tuple[Column, ...]:
     """Return the margin's column; none of a robot without."""
     row = margin_of(robot)
-    return () if row is None else (Column(_name(row), row.title, row.unit, seen=partial(_read, row, robot)),)
+    return () if row is None else (Column(_name(row), row.title, row.unit, seen=_Reader(row, robot)),)
 
 
 def panels(robot: AnyRobot) -> tuple[Panel, ...]:
@@ -39,9 +38,21 @@ def _name(row: AnyMargin) -> str:
     return f"margin_{row.unit}"
 
 
-def _read(row: AnyMargin, robot: AnyRobot, seen: Snapshot[Any, Any]) -> float:
-    value = row.read(robot, seen)
-    return math.nan if value is None else value
+class _Reader:
+    """The margin of a snapshot: samples come more often than the bridge looks, and none changes."""
+
+    __slots__ = ("_robot", "_row", "_seen", "_value")
+
+    def __init__(self, row: AnyMargin, robot: AnyRobot) -> None:
+        self._row, self._robot = row, robot
+        self._seen: Snapshot[Any, Any] | None = None
+        self._value = math.nan
+
+    def __call__(self, seen: Snapshot[Any, Any]) -> float:
+        if seen is not self._seen:
+            value = self._row.read(self._robot, seen)
+            self._seen, self._value = seen, math.nan if value is None else value
+        return self._value
 
 
 def _least(row: AnyMargin, robot: AnyRobot) -> tuple[float, str]:

@@ -212,9 +212,10 @@ class NodesWatch:
 
     def _withheld(self, last: Nanoseconds, period: Nanoseconds) -> tuple[str, ...]:
         """Return a controller's causes: one whose requests go on lives."""
-        drives = [one for one in self._bus.nodes.values() if one.answered is not None]
+        drives = [one for one in self._bus.nodes.values() if not self._bus.is_controller(one.node)]
         speaks = any(one.answered is not None and one.answered.at > last + period for one in drives)
-        if not speaks or any(one.drive.enabled for one in drives):
+        # A drive whose state was not seen may have power.
+        if not speaks or any(one.drive.state is None or one.drive.enabled for one in drives):
             return ()
         return (kinds.WITHHELD, *kinds.SILENT_CONTROLLER.causes)
 

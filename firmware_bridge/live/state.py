@@ -7,8 +7,8 @@ from typing import Any, Final, TypeAlias
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.drivers.driver import Feedback, Position, SetPoint, Speed
 from firmware_bridge.intent import NEVER_RECEIVED
-from firmware_bridge.robot import AnyRobot, RobotFileError
-from firmware_bridge.robot_types import find, robot_type_of
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find, robot_type_of, robots
 from firmware_bridge.safety.snapshot import Tracking
 from firmware_bridge.units import to_seconds
 
@@ -33,11 +33,8 @@ def axes_of(robot: AnyRobot) -> list[Json]:
 
 
 def outline_named(name: str) -> list[Outline]:
-    """Return an installed robot from above by its name; none of another one."""
-    try:
-        return outline_of(find(name))
-    except RobotFileError:
-        return []
+    """Return an installed robot from above by its name; none of another one, and none by a path."""
+    return outline_of(find(name)) if name in robots() else []
 
 
 def outline_of(robot: AnyRobot) -> list[Outline]:
@@ -86,12 +83,11 @@ def _arm(robot: AnyRobot, bridge: Bridge) -> list[list[float | None]]:
 
 def _margin(robot: AnyRobot, bridge: Bridge) -> Json | None:
     """Return what the robot's stand or hold has to spare; None for a robot without such a row."""
-    row = robot_type_of(robot).station.margin
-    least = None if row is None else row.least(robot)
-    if row is None or least is None:
+    row = robot_type_of(robot).station.margin_of(robot)
+    if row is None:
         return None
-    value = number(row.read(robot, bridge.seen))
-    return {"value": value, "least": number(least), "unit": row.unit, "title": row.title}
+    value, least = number(row.read(robot, bridge.seen)), number(row.least(robot))
+    return {"value": value, "least": least, "unit": row.unit, "title": row.title}
 
 
 def _axis(feedback: Feedback, following: Mapping[str, Tracking]) -> Json:

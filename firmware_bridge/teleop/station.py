@@ -250,6 +250,10 @@ class StationRows(Generic[G, M, S]):
     gauges: tuple[Gauge[G], ...] = ()
     """Of axes whose place is read off in another way than the axis's own unit; others need no row."""
 
+    def margin_of(self, robot: Robot[G]) -> Margin[G, M, S] | None:
+        """Return the row of a robot's margin; None where its file has no data for it."""
+        return None if self.margin is None or self.margin.least(robot) is None else self.margin
+
     def applied(self, motion: Motion, command: M, robot: Robot[G]) -> M | Unusable:
         """Return what a motion makes of the command before it; `Unusable` where it is none."""
         if isinstance(motion, Stick):

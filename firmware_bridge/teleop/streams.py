@@ -271,8 +271,8 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
 
 def _margin(station: AnyStation, robot: AnyRobot) -> Iterator[AnyValue]:
     """Yield the margin as a value, where the robot has one."""
-    margin = station.margin
-    if margin is not None and margin.least(robot) is not None:
+    margin = station.margin_of(robot)
+    if margin is not None:
         title = f"{margin.unit}, {margin.title}"
         yield Value("MARGIN", SECOND // 5, lambda seen: margin.read(robot, seen), title)
 

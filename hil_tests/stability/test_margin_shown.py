@@ -27,7 +27,7 @@ def names(robot: AnyRobot) -> set[str]:
 
 
 @pytest.mark.parametrize(("robot", "has"), [(CLIMBER, True), (ROME_ARM, True), (find("rars"), False)])
-def test_it_is_sent_by_robots_that_have_one(robot: AnyRobot, has: bool) -> None:  # noqa: FBT001 - a table
+def test_it_is_sent_by_robots_that_have_one(robot: AnyRobot, *, has: bool) -> None:
     assert ("MARGIN" in names(robot)) is has
     assert bool(margin.columns(robot)) is bool(margin.panels(robot)) is has
 

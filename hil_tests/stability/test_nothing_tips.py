@@ -1,6 +1,5 @@
 """RARS with an IMU and its governor does not tip over; without the governor the same manoeuvres do it."""
 
-import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -9,12 +8,10 @@ import pytest
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.mission import find
 from emulators.rig import Rig
-from emulators.robots.rars import RarsStep
 from emulators.run import RunOrder, operator_of
-from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import SECOND
-from hil_tests.scenarios.ride import ARMED, SETTLED_S, Ride, fault, ride, step
-from hil_tests.stability.manoeuvres import HEAVIEST_KG, LASTS_S, LISTS, Driver, drawn, robot
+from hil_tests.scenarios.ride import Ride, fault, step
+from hil_tests.stability.manoeuvres import LASTS_S, LISTS, Driver, drawn, robot
 
 USUAL, HARD = LISTS["usual"], LISTS["hard"]
 PART, SMALL = 20, 5
@@ -112,27 +109,6 @@ def test_the_governor_takes_no_part_in_the_mission_line() -> None:
 )
 def test_the_governor_takes_no_part_in_a_shipped_mission(mission: str) -> None:
     assert taken_by_the_governor(mission) == set()
-
-
-@pytest.fixture
-def on_slope() -> Iterator[Callable[..., Ride]]:
-    opened: list[Ride] = []
-
-    def begin(machine: AnyRobot, degrees: float, *steps: RarsStep, payload_kg: float = HEAVIEST_KG) -> Ride:
-        one = ride(ARMED, *steps, seconds=20.0, robot=machine)
-        opened.append(one)
-        one.runs_until(SETTLED_S)
-        plant = one.rig.devices.plant
-        plant.change("lift_payload", payload_kg)
-        # Slowly: its drives hold their speed, and the floor turns up under it.
-        for share in range(1, 601):
-            plant.change("slope", share / 600.0 * math.radians(degrees))
-            one.runs(0.01)
-        return one
-
-    yield begin
-    for one in opened:
-        one.rig.finish()
 
 
 def test_on_the_level_the_governor_takes_nothing(on_slope: Callable[..., Ride]) -> None:

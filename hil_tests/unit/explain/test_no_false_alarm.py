@@ -77,6 +77,27 @@ def test_a_controller_that_proves_the_supervision_withholds_its_heartbeat(
     assert ("on purpose" in found.causes[0]) == (requests and not power)
 
 
+@pytest.mark.parametrize("state", [ENABLED, None])
+def test_a_silence_is_not_on_purpose_while_another_drive_may_have_power(
+    state: int | None, tmp_path: Path
+) -> None:
+    """Drive 2 has power, or its state was never seen."""
+    log = BusLog().started().write(Address(0x1016, 1), 100 << 16 | 200)
+    log.frame(0x702, b"\x05")
+    if state is not None:
+        log.node = 2
+        log.shows(STATUSWORD, state)
+        log.node = 1
+    for count in range(20):
+        log.beat().wait(0.048)
+        if count < 10:
+            log.beat(node=100)
+        log.shows(POSITION, 500 * count)
+    found = [one for one in explained(log, tmp_path).incidents if one.kind.name == "controller_silent"]
+    assert len(found) == 1
+    assert "on purpose" not in found[0].causes[0]
+
+
 def test_a_client_that_gives_up_waiting_is_a_time_out(tmp_path: Path) -> None:
     log = BusLog().started().request(MODE, 3).wait(0.3).frame(0x601, "8060600000000405").beat()
     assert kinds(explained(log, tmp_path)) == ["sdo_timeout"]
