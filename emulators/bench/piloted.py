@@ -20,6 +20,7 @@ from firmware_bridge.pilot.goals import Curvatures, path_to
 from firmware_bridge.pilot.paths import PATHS, Path, PathError, Point, placed
 from firmware_bridge.pilot.predictor import Predictor
 from firmware_bridge.pilot.station import PilotStation
+from firmware_bridge.pilot.video import Video
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near
 from firmware_bridge.robot.table import Table
@@ -38,6 +39,19 @@ def _is_a_path(name: str) -> str:
 GOAL: Final = "goal"
 """The path to `goal_m`, which is made by what the robot can drive when it begins."""
 Reach: TypeAlias = Callable[[], Curvatures]
+
+
+class Filmed(Table):
+    """A camera's pictures in place of each pose as it comes."""
+
+    rate_hz: Positive = Video().rate_hz
+    age_s: NonNegative = Video().age_s
+    """Age of a picture when it is shown."""
+
+    @property
+    def video(self) -> Video:
+        """What the station sees by."""
+        return Video(self.rate_hz, self.age_s)
 
 
 class Pilot(Table):
@@ -59,6 +73,8 @@ class Pilot(Table):
     begins_s: NonNegative = 0.0
     """Time at which it takes over; until then the mission's steps drive by hand."""
     predictor: bool = False
+    video: Filmed | None = None
+    """See the robot by these pictures only; without it by each pose as the link brings it."""
     reaction_s: NonNegative = 0.0
     """Delay of the hand after the computation; the predictor does not know it."""
 
@@ -123,7 +139,11 @@ class PilotedMission:
         self._mode: Final = modes[-1] if modes else ""
         self.follower: Final = pilot.follower(robot, self._reach)
         operator = robot.operator
-        self.station: Final = PilotStation(self.follower, (operator.system_id, operator.component_id))
+        self.station: Final = PilotStation(
+            self.follower,
+            (operator.system_id, operator.component_id),
+            video=None if pilot.video is None else pilot.video.video,
+        )
         self._robot: Final = robot
         self._steps: Final = steps
         self._taken = 0

@@ -32,7 +32,11 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge pilot rars --keyboard --telemetry cycle`
 
-`firmware-bridge pilot rars --path circle --size 2 --speed 0.3 --predictor --arm`"""
+`firmware-bridge pilot rars --path circle --size 2 --speed 0.3 --predictor --arm`
+
+`firmware-bridge pilot rars --keyboard --view predicted`"""
+
+VIEWS: Final = ("link", "video", "predicted")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,6 +121,24 @@ class PilotOptions:
             show_default="unsigned",
         ),
     ] = None
+    view: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="What the robot is seen by: link, each pose as it comes; video, two pictures a second, "
+            "each 0.5 s old; predicted, those pictures moved to the newest pose. The last two show a "
+            "picture: posts in a room that stands for the robot's.",
+        ),
+    ] = "link"
+    view_to: Annotated[
+        Path | None,
+        typer.Option(
+            "--view-to",
+            metavar="FILE",
+            help="Keep the picture in this .png file in place of a window.",
+            show_default="a window",
+        ),
+    ] = None
     max_delay: MaxDelayOption = None
     live: LiveOption = False
     duration: DurationOption = None
@@ -135,6 +157,7 @@ def run(given: PilotOptions) -> None:
     from firmware_bridge.pilot.keyboard import HELP
     from firmware_bridge.pilot.profiles import PROFILES
     from firmware_bridge.pilot.station import PilotStation
+    from firmware_bridge.pilot.video import Video
     from firmware_bridge.robot import RobotFileError
     from firmware_bridge.robot.problems import near
     from firmware_bridge.robot_types import robot_type_of
@@ -148,6 +171,7 @@ def run(given: PilotOptions) -> None:
         raise refusal(
             f"--telemetry {given.telemetry}: no such profile; {near(given.telemetry, list(PROFILES))}"
         )
+    _check_view(given)
     robot_type = robot_type_of(robot)
     driver = _driver(given, robot, robot_type)
     hand = {HAND: _device(given)} if isinstance(driver, AtHand) else {}
@@ -160,6 +184,7 @@ def run(given: PilotOptions) -> None:
         (operator.system_id, operator.component_id),
         trust=remembered.trust,
         requests=PROFILES[given.telemetry],
+        video=Video() if given.view == "video" else None,
     )
     rolling = robot_type.kinematics(robot).rolling
     cockpit = Cockpit(station, say, arms=given.arm, rolling=rolling)
@@ -171,6 +196,12 @@ def run(given: PilotOptions) -> None:
 
         page = {LIVE: page_port}
         node = LivePilot(node, station, robot, rolling, end_in_order)
+    if given.view != "link":
+        from firmware_bridge.pilot.viewing import VIEW, Viewing
+        from firmware_bridge.runtime.ports.view_window import ViewWindow
+
+        page |= {VIEW: partial(ViewWindow, given.view_to)}
+        node = Viewing(node, station, Video(), predicted=given.view == "predicted")
     keys = f"; {HELP}" if given.keyboard else ""
     carry(
         node,
@@ -178,6 +209,15 @@ def run(given: PilotOptions) -> None:
         until(given.duration),
         f"{robot.name}: pilot on {given.mavlink}{keys}",
     )
+
+
+def _check_view(given: PilotOptions) -> None:
+    from firmware_bridge.robot.problems import near
+
+    if given.view not in VIEWS:
+        raise refusal(f"--view {given.view}: no such view; {near(given.view, list(VIEWS))}")
+    if given.view_to is not None and given.view == "link":
+        raise refusal("--view-to: there is a picture with --view video and --view predicted only")
 
 
 def _driver(given: PilotOptions, robot: "AnyRobot", robot_type: "AnyRobotType") -> "Driver":

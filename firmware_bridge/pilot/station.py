@@ -17,6 +17,7 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.pilot.driver import DriveCommand, Driver, Sight, Stick, Target
 from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.pilot.profiles import ORDER, USUAL, Profile
+from firmware_bridge.pilot.video import Video, VideoFeed
 from firmware_bridge.teleop.telemetry import ROLLING, UNKNOWN_U16
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 
@@ -64,6 +65,9 @@ class Display:
     received: bool = False
     """The robot's heartbeat has come."""
     sight: Sight | None = None
+    """What the driver sees."""
+    newest: Sight | None = None
+    """The newest pose that came, seen or not."""
     values: dict[str, float] = field(default_factory=dict)
     """The newest of each named value: RTT, AGE and LOSS among them, as the robot finds them."""
     speeds: tuple[float, ...] = ()
@@ -84,16 +88,19 @@ class PilotStation:
         *,
         trust: Trust = ANY_STATION,
         requests: Profile = USUAL,
+        video: Video | None = None,
     ) -> None:
         """Send to the system and component `target`; `requests`: the intervals to request from the robot.
 
-        With a key in `trust` frames are signed, and only signed ones are accepted.
+        With a key in `trust` frames are signed, and only signed ones are accepted. With a `video` the robot
+        is seen by its pictures alone, else by each pose as it comes.
         """
         self.driver: Final = driver
         self.link: Final = PilotLink()
         self.shown: Final = Display()
         self._target: Final = target
         self._requests: Final = requests
+        self._video: Final = None if video is None else VideoFeed(video)
         self._codec: Final = trust.writer(SYSTEM, COMPONENT, _LINK)
         self._signatures: Final = Signatures(trust)
         self._doubted = False
@@ -141,6 +148,8 @@ class PilotStation:
     def wake(self, now: Nanoseconds) -> Reaction:
         """Send what is due: a heartbeat, a question, commands, and what the station in control commands."""
         messages: list[Message] = []
+        if self._video is not None and (picture := self._video.shown(now)) is not None:
+            self._see(picture)
         if now >= self._beat_due:
             self._beat_due = now + SECOND
             station, none = dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID
@@ -176,6 +185,8 @@ class PilotStation:
 
     def _wake_at(self) -> Nanoseconds:
         due = min(self._beat_due, self._command_due, self.link.next_question)
+        if self._video is not None:
+            due = min(due, self._video.due)
         return min([due, *(order.due for order in self._under_way)])
 
     @property
@@ -249,6 +260,13 @@ class PilotStation:
         pose = Pose(message.x, -message.y, -2.0 * math.atan2(z, w))
         moving = Moving(pose, message.vx, -message.yawspeed)
         sight = Sight(moving, self.link.measured_at(message.time_usec * 1000, now), now)
+        self.shown.newest = sight
+        if self._video is None:
+            self._see(sight)
+        else:
+            self._video.filmed(sight)
+
+    def _see(self, sight: Sight) -> None:
         self.shown.sight = sight
         self.driver.sees(sight)
 

@@ -24,6 +24,12 @@ STUDIES: Final = (
         f"{HERE}.delay:delay",
     ),
     Study(
+        "video",
+        "Pure pursuit by two pictures a second, each half a second old",
+        f"{THESIS}, App. A, 6.1",
+        f"{HERE}.video:video",
+    ),
+    Study(
         "predictor",
         "Pure pursuit over a slow link with and without the predictor, through the whole chain",
         f"{THESIS}, 5.3, 5.4, 6.1",

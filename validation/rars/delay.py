@@ -211,16 +211,16 @@ def closed(delay_s: float, start: Pose, hold: float = CYCLE) -> Floats:
     for place in range(round(LONG_ENOUGH / FINE)):
         x, y, heading = rows[-1]
         if place % each == 0:
-            turn = SPEED * _bend(*rows[max(place - late, 0)])
+            turn = SPEED * bend(*rows[max(place - late, 0)])
         middle = heading + turn * FINE / 2.0
         way = SPEED * FINE
         rows.append((x + way * math.cos(middle), y + way * math.sin(middle), heading + turn * FINE))
     return np.array(rows)[:: round(CYCLE / FINE)]
 
 
-def _bend(x: float, y: float, heading: float) -> float:
+def bend(x: float, y: float, heading: float, length: float = LOOK_AHEAD) -> float:
     """Return the curvature to the goal: r = l2 / (2 x) (5.5), left positive."""
-    away, length = math.hypot(x, y), LOOK_AHEAD
+    away = math.hypot(x, y)
     while length <= 1.01 * abs(away - RADIUS):
         length *= 1.1
     cosine = (away**2 + RADIUS**2 - length**2) / (2.0 * away * RADIUS)

@@ -122,6 +122,9 @@ def test_a_robot_is_not_driven_from_beyond_the_machine_without_a_key() -> None:
         ("pilot rars --joystick --controls gampad", "perhaps 'gamepad'?"),
         ("pilot rars --joystick --mavlink udpin:127.0.0.1:0 --device /dev/input/none", "`ls /dev/input/js*`"),
         ("pilot rars --path line --max-delay 3", "50 to 2000 ms may be"),
+        ("pilot rars --path line --view predikted", "no such view; perhaps 'predicted'?"),
+        ("pilot rars --path line --view-to x.png", "with --view video and --view predicted only"),
+        ("pilot rars --path line --view video --view-to x.jpg", "a name that ends in .png"),
     ],
 )
 def test_a_pilot_without_what_it_needs_is_reported_what(words: str, reported: str) -> None:
