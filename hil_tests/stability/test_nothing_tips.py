@@ -42,6 +42,11 @@ def test_what_tips_without_the_governor_does_not_with_it(governed: Driver, free:
     assert [seed for seed in over if governed.tips(drawn(seed, hard=True))] == []
 
 
+def test_what_once_tipped_with_it_does_not_any_more(governed: Driver) -> None:
+    for one in LISTS.values():
+        assert [seed for seed in one.found if governed.tips(drawn(seed, hard=one.hard))] == []
+
+
 def test_a_load_on_the_raised_table_tips_it_over_without_the_governor_only(
     governed: Driver, free: Driver
 ) -> None:

@@ -173,8 +173,8 @@ def _driven(case: Case, turn: Callable[[int, Moving], float | None]) -> Floats:
     places = [(RADIAL.x_m, RADIAL.y_m)]
     rate = 0.0
     for tick in range(SECONDS * TICKS):
-        asked = turn(tick, moving)
-        rate = rate if asked is None else asked
+        wanted = turn(tick, moving)
+        rate = rate if wanted is None else wanted
         rates.append(rate)
         acts = rates[tick - case.lag] if tick >= case.lag else 0.0
         moving = model.step(moving, case.speed, acts, 1.0 / TICKS)

@@ -19,6 +19,10 @@ from firmware_bridge.units import STANDARD_GRAVITY
 SAFE_SHARE: Final = 0.9
 """Share of the safe speed that is driven: 0.5 m/s overshoot to 0.55 on the plant, on 25 degrees, 10 kg."""
 BRAKES: Final = 0.03 * STANDARD_GRAVITY
+"""Braking that is allowed where the wheels stay loaded without any margin, m/s2."""
+SLIPS: Final = 0.6
+"""Share of the deceleration that takes the whole margin: wheels that slip downhill stop harder than commanded."""
+LEAST_BRAKES: Final = 0.01 * STANDARD_GRAVITY
 """Braking that is always allowed, m/s2: at the safe speed not even a stop at once tips the robot over."""
 STARTS: Final = 0.01 * STANDARD_GRAVITY
 """A direction in which the robot may not accelerate with so much, m/s2, is not driven in."""
@@ -69,14 +73,20 @@ class Governor:
         left = before * before * bend_per_m
         low, high = standing.accelerations(left, balance.needed(standing.height_m))
         slower, faster = (low, high) if before >= 0.0 else (-high, -low)
-        # Seen along the way of travel: it may always brake, and speed up only where the margin allows it.
-        slower, faster = min(MARGIN * slower, -BRAKES), max(MARGIN * faster, 0.0)
         sign = 1.0 if before >= 0.0 else -1.0
+        # Seen along the way of travel: it may always brake, and speed up only where the margin allows it.
+        slower, faster = min(MARGIN * slower, -self._brakes(standing, left, sign)), max(MARGIN * faster, 0.0)
         change = min(max(sign * (speed - before), slower * seconds), faster * seconds)
         if before == 0.0 and speed < 0.0:
             # From standstill backwards: the acceleration is the lowest.
             change = max(speed, min(MARGIN * low, 0.0) * seconds)
         return before + sign * change
+
+    @staticmethod
+    def _brakes(standing: Standing, left: float, sign: float) -> float:
+        """Return the deceleration in m/s2 that is allowed where no margin is left."""
+        low, high = standing.accelerations(left, 0.0)
+        return min(BRAKES, max(LEAST_BRAKES, SLIPS * (-low if sign > 0.0 else high)))
 
     def top_speed(self, state: RarsState, direction: float, bend_per_m: float) -> float:
         """Return the speed in m/s, ahead for a positive direction, that the robot may have; inf for any.

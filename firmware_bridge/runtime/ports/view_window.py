@@ -12,7 +12,7 @@ from firmware_bridge.units import NEVER, Nanoseconds
 
 PROGRAM: Final = "firmware_bridge.cli.view_window"
 READY: Final = "ready"
-"""Its first line once it can draw; else that line says why it cannot."""
+"""Its first line once it can draw; else why it cannot, in that line."""
 ENDS_WITHIN_S: Final = 2.0
 
 

@@ -140,7 +140,7 @@ def test_what_both_pictures_show_has_one_depth(ahead: float, left: float, turned
     assert np.quantile(off, 0.8) < 0.03
 
 
-def test_where_nothing_is_known_the_picture_says_so() -> None:
+def test_where_nothing_is_known_the_picture_shows_it() -> None:
     camera = CAMERA.smaller(4)
     old = seen(ROOM, camera, Pose(0.0, 0.0, 0.0))
     there = warped(camera, old, Pose(0.0, 0.0, math.pi))

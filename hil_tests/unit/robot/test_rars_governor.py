@@ -17,7 +17,7 @@ from firmware_bridge.motion.standing import Standing
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robot_types import find, parse, robots
 from firmware_bridge.robots.rars.geometry import RarsGeometry
-from firmware_bridge.robots.rars.governor import BRAKES, SAFE_SHARE, Governor
+from firmware_bridge.robots.rars.governor import BRAKES, LEAST_BRAKES, SAFE_SHARE, Governor
 from firmware_bridge.robots.rars.motion import RarsState
 
 EXACT = BALANCE.model_copy(update={"tilt_error_deg": 0.0})
@@ -107,7 +107,7 @@ def test_a_braking_robot_always_brakes() -> None:
     for before in (-0.2, 0.2):
         for pitch in (-30.0, 0.0, 30.0):
             after = governor.ramped(before, 0.0, tilted(pitch), 0.0, 0.05)
-            assert abs(before) - abs(after) >= BRAKES * 0.05 - 1e-12
+            assert abs(before) - abs(after) >= LEAST_BRAKES * 0.05 - 1e-12
             assert before * after >= 0.0
 
 
@@ -145,7 +145,10 @@ def test_no_acceleration_that_it_lets_pass_takes_a_margin_that_it_could_leave(
     corners = ((0.0, -0.2), (0.515, -0.168), (0.515, 0.168), (0.0, 0.2))
     standing = Standing(corners, (0.141, 0.0, height), pitch, roll)
     brakes = ahead * before < 0.0 and abs(ahead) <= BRAKES + 1e-9
-    if ahead and not brakes:
+    if brakes and abs(ahead) > LEAST_BRAKES + 1e-9:
+        # Slipping wheels stop a third harder than commanded, as measured on 30 degrees.
+        assert standing.margin(1.35 * ahead, before * before * bend) >= 0.0
+    elif ahead and not brakes:
         assert standing.margin(ahead, before * before * bend) >= EXACT.needed(height) - 1e-9
 
 
