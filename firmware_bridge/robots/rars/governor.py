@@ -21,7 +21,7 @@ SAFE_SHARE: Final = 0.9
 BRAKES: Final = 0.03 * STANDARD_GRAVITY
 """Braking that is allowed where the wheels stay loaded without any margin, m/s2."""
 SLIPS: Final = 0.6
-"""Share of the deceleration that takes the whole margin: wheels that slip downhill stop harder than commanded."""
+"""Share of the deceleration that takes all margin: wheels that slip downhill stop harder than commanded."""
 LEAST_BRAKES: Final = 0.01 * STANDARD_GRAVITY
 """Braking that is always allowed, m/s2: at the safe speed not even a stop at once tips the robot over."""
 STARTS: Final = 0.01 * STANDARD_GRAVITY
