@@ -91,9 +91,10 @@ def _last(start: Pose, goal: Point, reach: Curvatures) -> Arc | None:
     bend = 2.0 * left / (dx * dx + dy * dy)
     if not reach.low <= bend <= reach.high:
         return None
-    # The arc turns by twice the bearing of its end.
-    turn = 2.0 * math.atan2(left, ahead)
-    return Arc(bend, turn / bend if bend else ahead)
+    # The arc turns by twice the bearing of its end. Chord and bearing: of a bend that is all but 0 the turn
+    # over the bend has no digits.
+    bearing = math.atan2(left, ahead)
+    return Arc(bend, math.hypot(dx, dy) * (bearing / math.sin(bearing) if bearing else 1.0))
 
 
 def _after(start: Pose, arc: Arc, length_m: float | None = None) -> Pose:

@@ -19,20 +19,29 @@ STEP_M: Final = 0.02
 """Between two places that are looked at for the goal; it is then found exactly."""
 BEHIND_M: Final = 1.0
 """So far back the nearest place is looked for, where a robot is driven round it."""
+NEWTON: Final = 50
+"""Steps for a root; it doubles its digits in each of the last few."""
 AHEAD: Final = 4.0
 """So many look-aheads forward it is looked for."""
 
 
-def critical_delay_s(speed_mps: float, look_ahead_m: float) -> float:
-    """Return the dead time of the whole loop from which on it swings about a line, s.
+def critical_delay_s(speed_mps: float, look_ahead_m: float, lag_s: float = 0.0) -> float:
+    """Return the dead time of the whole loop from which on it swings about a line, s; negative for always.
 
-    Linearized, with n = v / L: s2 + (2 n s + 2 n2) e^(-s tau) = 0, (App. B) with the goal's own offset
-    e + L theta; as printed it lacks the heading. On the imaginary axis w2 = (2 + 2 sqrt 2) n2, and
-    tau = atan(w / n) / w.
+    `lag_s`: the steering's time constant. Linearized, with n = v / L: T s3 + s2 + (2 n s + 2 n2) e^(-s tau)
+    = 0, (App. B, B.2) with the goal's own offset e + L theta; as printed it lacks the heading. On the
+    imaginary axis T2 w6 + w4 - 4 n2 w2 - 4 n4 = 0, and tau = (atan(w / n) - atan(T w)) / w: without a lag
+    w2 = (2 + 2 sqrt 2) n2; with one of L / v it swings without any delay.
     """
     rate = speed_mps / look_ahead_m
-    swing = math.sqrt(2.0 + 2.0 * math.sqrt(2.0))
-    return math.atan(swing) / (swing * rate)
+    # In units of n: of the cubic in w2 one root is positive, and Newton comes to it from above.
+    lag = lag_s * rate
+    square = 2.0 + 2.0 * math.sqrt(2.0)
+    for _ in range(NEWTON):
+        rest = lag**2 * square**3 + square**2 - 4.0 * square - 4.0
+        square -= rest / (3.0 * lag**2 * square**2 + 2.0 * square - 4.0)
+    swing = math.sqrt(square)
+    return (math.atan(swing) - math.atan(lag * swing)) / (swing * rate)
 
 
 class Arc(NamedTuple):

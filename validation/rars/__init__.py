@@ -36,6 +36,18 @@ STUDIES: Final = (
         f"{HERE}.predictor:predictor",
     ),
     Study(
+        "dynamic_predictor",
+        "A predictor by the robot's equation of motion",
+        f"{THESIS}, (6.1), (3.31)-(3.34)",
+        f"{HERE}.dynamic_predictor:dynamic_predictor",
+    ),
+    Study(
+        "steering_lag",
+        "From which delay on pure pursuit swings where the steering lags",
+        f"{THESIS}, App. B, Fig. B.1",
+        f"{HERE}.steering_lag:steering_lag",
+    ),
+    Study(
         "steering",
         "The steering's step under computed torque, and its model 10 % wrong",
         f"{THESIS}, (3.85)-(3.102)",

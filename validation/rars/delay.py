@@ -153,29 +153,43 @@ def delay(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
     )
 
 
-def growth(speed: float, look_ahead: float, delay_s: float) -> float:
+def growth(speed: float, look_ahead: float, delay_s: float, lag_s: float = 0.0) -> float:
     """Return the largest real part of the characteristic equation's roots in 1/s, without solving it.
 
-    e' = v theta, theta' = - 2 v / L2 (e + L theta) at t - tau: the way through the delay is a collocation on
-    Chebyshev's points, and the roots are the eigenvalues of the whole.
+    e' = v theta, theta' = - 2 v / L2 (e + L theta) at t - tau; with a lag theta' follows that by it.
     """
+    now = np.array([[0.0, speed, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0 / lag_s if lag_s else 0.0]])
+    late = np.zeros((3, 3))
+    late[2 if lag_s else 1, :2] = -2.0 * speed / look_ahead**2 * np.array([1.0, look_ahead])
+    states = 3 if lag_s else 2
+    if lag_s:
+        late /= lag_s
+    return rightmost(now[:states, :states], late[:states, :states], delay_s)
+
+
+def rightmost(now: Floats, late: Floats, delay_s: float) -> float:
+    """Return the largest real part of the roots of x' = now x + late x(t - delay), 1/s.
+
+    The way through the delay is a collocation on Chebyshev's points, and the roots are the eigenvalues of
+    the whole.
+    """
+    states = len(now)
     places = np.cos(np.pi * np.arange(PIECES + 1) / PIECES)
     weights = np.r_[2.0, np.ones(PIECES - 1), 2.0] * (-1.0) ** np.arange(PIECES + 1)
     apart = places[:, None] - places[None, :]
     slopes = np.outer(weights, 1.0 / weights) / (apart + np.eye(PIECES + 1))
     slopes -= np.diag(slopes.sum(axis=1))
-    now = np.array([[0.0, speed], [0.0, 0.0]])
-    late = -2.0 * speed / look_ahead**2 * np.array([[0.0, 0.0], [1.0, look_ahead]])
-    whole = np.kron(2.0 / delay_s * slopes, np.eye(2))
-    whole[:2] = 0.0
-    whole[:2, :2], whole[:2, -2:] = now, late
+    whole = np.kron(2.0 / delay_s * slopes, np.eye(states))
+    whole[:states] = 0.0
+    whole[:states, :states] = now
+    whole[:states, -states:] = late
     return float(np.linalg.eigvals(whole).real.max())
 
 
-def critical(speed: float, look_ahead: float) -> float:
+def critical(speed: float, look_ahead: float, lag_s: float = 0.0) -> float:
     """Return the delay in s at which nothing grows any more, by bisection."""
     time = look_ahead / speed
-    return root(lambda at: growth(speed, look_ahead, at), 0.2 * time, 1.2 * time)
+    return root(lambda at: growth(speed, look_ahead, at, lag_s), 0.01 * time, 1.2 * time)
 
 
 @cache

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from firmware_bridge.pilot.goals import Curvatures, path_to
@@ -35,6 +35,8 @@ def test_a_goal_on_the_other_side_needs_a_loop_whose_space_is_stated() -> None:
 
 
 @given(st.floats(-6.0, 6.0), st.floats(-6.0, 6.0), st.floats(-0.6, 0.6))
+@example(1.5, 5e-324, 0.0)
+@example(1.5, -1e-320, 0.0)
 def test_no_path_is_tighter_than_the_range(ahead: float, left: float, stuck: float) -> None:
     reach = Curvatures(stuck - 0.28, stuck + 0.28)
     try:
