@@ -78,6 +78,24 @@ STUDIES: Final = (
         f"{HERE}.slip_circle:slip_circle",
     ),
     Study(
+        "castors",
+        "A platform on two driven wheels and two castors with mass",
+        f"{THESIS}, 3.2, 3.3, (3.13)-(3.40)",
+        f"{HERE}.castors:castors",
+    ),
+    Study(
+        "nine_coordinates",
+        "The equation of motion by nine coordinates, steered wheels with mass",
+        f"{THESIS}, 3.4.2, 3.4.3, (3.46)-(3.76)",
+        f"{HERE}.nine_coordinates:nine_coordinates",
+    ),
+    Study(
+        "magic_formula",
+        "The magic formula beside the thesis's own friction over slip",
+        f"{THESIS}, (3.45), (3.83)",
+        f"{HERE}.magic_formula:magic_formula",
+    ),
+    Study(
         "sizing",
         "What its motors must give: traction, steering, screw",
         f"{THESIS}, (2.9)-(2.18), (C.1)",
