@@ -6,7 +6,7 @@ PYTHON ?= $(shell for it in python3 python3.11 python3.12 python3.13 python3.14;
 	$$it -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$it; break; }; done)
 OUT ?= out
 JOBS ?= 2
-MISSIONS := line circles interlocks faults pursuit thesis steering_failed stuck left_failed video
+MISSIONS := line circles interlocks faults pursuit thesis steering_failed stuck left_failed video survey
 
 BIN := .venv/bin
 READY := .venv/.ready

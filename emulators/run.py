@@ -18,6 +18,8 @@ from emulators.bench.path_error import Followed, path_error
 from emulators.bench.piloted import HandedOver, PilotedMission
 from emulators.bench.radial_error import radial_error
 from emulators.bench.summary import RunFigures, Summary, as_json, summarize
+from emulators.bench.survey_map import mapped
+from emulators.bench.survey_table import SurveyMission
 from emulators.recorded import frames_recorded, recorded
 from emulators.rig import Rig
 from emulators.rig_mcap import Unrecorded, in_mcap
@@ -156,6 +158,7 @@ def _driven(order: RunOrder, progress: Progress, carry: Carry, mcap: Unrecorded)
             faults=faults,
             more=order.bench_setup.pictures,
         )
+    pictures += mapped(operator, rig.samples, order.seed, order.folder)
     shown = page(summary, order.bench_setup.remarks(order.robot), pictures, order.again)
     (order.folder / "report.html").write_text(shown, encoding="utf-8")
     return summary
@@ -167,6 +170,8 @@ def operator_of(order: RunOrder) -> Node:
         return order.operator
     mission, tremor = order.mission, np.random.default_rng([order.seed, HAND_STREAM])
     hand = ScriptedOperator(order.robot, order.bench_setup, mission, tremor)
+    if mission.survey is not None:
+        return SurveyMission(mission.on(order.robot), mission.step, mission.survey)
     if mission.pilot is None:
         return hand
     pilot = PilotedMission(mission.on(order.robot), mission.step, mission.pilot)

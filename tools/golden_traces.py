@@ -55,7 +55,8 @@ def missions() -> list[str]:
     """Return the names of the shipped missions that a hand drives: a pilot's sines are each machine's own."""
     robot = find(ROBOT)
     bench_setup = bench_setup_of(robot)
-    return [name for name in bench_setup.shipped() if mission.find(name, robot, bench_setup).pilot is None]
+    shipped = {name: mission.find(name, robot, bench_setup) for name in bench_setup.shipped()}
+    return [name for name, one in shipped.items() if one.pilot is None and one.survey is None]
 
 
 def plant() -> str:

@@ -4,6 +4,7 @@ Wrong keys and values are refused with the file's name and each key's path, all 
 limits are not checked here: a mission may well command too much.
 """
 
+import math
 import tomllib
 from collections.abc import Iterator
 from itertools import pairwise, starmap
@@ -27,6 +28,7 @@ from emulators.bench.step import (
     inputs,
     path_followers,
 )
+from emulators.bench.survey_table import Survey
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import FileError, Problem, near, problems_of
 from firmware_bridge.robot.table import Table
@@ -74,6 +76,8 @@ class Mission(Table):
     """Greatest age of a command that is obeyed, agreed on for this session: the robot is slower then."""
     pilot: Pilot | None = None
     """Automatic pilot that follows a path in the operator's place."""
+    survey: Survey | None = None
+    """Readings of a detector at points that are driven to one after the other, in the pilot's place."""
     step: Annotated[tuple[Step, ...], Field(min_length=1, strict=False)]
     settled_after_s: NonNegative = 10.0
     """Time after a path follower's begin from which its distance from the path counts in the summary."""
@@ -112,7 +116,7 @@ class Mission(Table):
 
     def driven_by_stations(self) -> Self:
         """Return the mission with its faults and conditions; who drives is outside."""
-        return self.model_copy(update={"pilot": None, "step": self.step[:1]})
+        return self.model_copy(update={"pilot": None, "survey": None, "step": self.step[:1]})
 
     def over(self, link: str | None, max_delay_s: float | None) -> Self:
         """Return the mission over another link, and with another agreed delay; None: its own.
@@ -135,6 +139,8 @@ class Mission(Table):
             raise ValueError(
                 f"step '{self.step[-1].title}' is not before the end, duration_s = {self.duration_s:g}"
             )
+        if self.pilot is not None and self.survey is not None:
+            raise ValueError("a mission has a pilot or a survey, not both")
         if self.pilot is not None and self.pilot.begins_s >= self.duration_s:
             raise ValueError(
                 f"pilot.begins_s = {self.pilot.begins_s:g} is not before the end,"
@@ -204,6 +210,7 @@ def cannot_say(mission: Mission, robot: AnyRobot, bench_setup: BenchSetup) -> It
     """Yield what the input that is in the operator's hand cannot say."""
     channels = {channel.name: channel for channel in bench_setup.channels}
     held = mission.input
+    yield from _without_a_detector(mission, robot)
     for index, step in enumerate(mission.step):
         # The input stays in the hand until a later step names another one.
         held = step.input or held
@@ -214,7 +221,7 @@ def cannot_say(mission: Mission, robot: AnyRobot, bench_setup: BenchSetup) -> It
                 f"{robot.name} has no path follower '{step.path_follower}'; {known}",
             )
         yield from _unconfirmed(index, step, robot)
-        yield from _beside_a_pilot(index, step, mission.pilot)
+        yield from _beside_a_pilot(index, step, mission)
         for key, row in inputs(type(step)).items():
             value = getattr(step, key)
             if value is None:
@@ -229,9 +236,16 @@ def cannot_say(mission: Mission, robot: AnyRobot, bench_setup: BenchSetup) -> It
                 yield Problem(where, f"'{step.title}' needs the stick")
 
 
-def _beside_a_pilot(index: int, step: Step, pilot: Pilot | None) -> Iterator[Problem]:
+def _without_a_detector(mission: Mission, robot: AnyRobot) -> Iterator[Problem]:
+    if mission.survey is not None and (lacks := mission.survey.lacks(robot)):
+        yield Problem("survey", lacks)
+
+
+def _beside_a_pilot(index: int, step: Step, mission: Mission) -> Iterator[Problem]:
     """Yield the inputs of a step that need a hand, where a pilot drives."""
-    for key in () if pilot is None or step.at_s < pilot.begins_s else by_hand(step):
+    begins_s = math.inf if mission.pilot is None else mission.pilot.begins_s
+    begins_s = begins_s if mission.survey is None else 0.0
+    for key in () if step.at_s < begins_s else by_hand(step):
         yield Problem(f"step[{index}].{key}", "a pilot drives, who does nothing of the kind")
 
 

@@ -1,14 +1,13 @@
 """A path follower in the operator's place: a mission's table `pilot`, and the node that drives by it."""
 
 import math
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path as FilePath
-from typing import Annotated, Final, Self, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Final, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
-from emulators.bench import orders
+from emulators.bench.station_mission import Reach, StationMission
 from emulators.bench.step import Finite, NonNegative, Positive, Sends, Step, inputs
 from firmware_bridge.motion.model import MotionModel, Unicycle
 from firmware_bridge.motion.pose import Pose
@@ -16,16 +15,18 @@ from firmware_bridge.node import Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.pilot import path_file
 from firmware_bridge.pilot.follower import PathDriver
-from firmware_bridge.pilot.goals import Curvatures, path_to
-from firmware_bridge.pilot.paths import PATHS, Path, PathError, Point, placed
+from firmware_bridge.pilot.goals import path_to
+from firmware_bridge.pilot.paths import PATHS, Path, Point, placed
 from firmware_bridge.pilot.predictor import Predictor
-from firmware_bridge.pilot.station import PilotStation
 from firmware_bridge.pilot.video import Video
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near
 from firmware_bridge.robot.table import Table
 from firmware_bridge.robot_types import robot_type_of
-from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
+from firmware_bridge.units import Nanoseconds, from_seconds
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 
 def _is_a_path(name: str) -> str:
@@ -38,7 +39,6 @@ def _is_a_path(name: str) -> str:
 
 GOAL: Final = "goal"
 """The path to `goal_m`, which is made by what the robot can drive when it begins."""
-Reach: TypeAlias = Callable[[], Curvatures]
 
 
 class Filmed(Table):
@@ -130,56 +130,18 @@ def by_hand(given: Step) -> list[str]:
     return sorted(given.model_fields_set - commands - {"at_s", "title", "zero", "home"})
 
 
-class PilotedMission:
-    """A `Node`: the station, and a mission's steps, whose commands it sends at their time."""
+class PilotedMission(StationMission):
+    """A `Node`: the station, a mission's steps, and the pilot that follows its path."""
 
     def __init__(self, robot: AnyRobot, steps: tuple[Step, ...], pilot: Pilot) -> None:
-        modes = [step.mode for step in steps if step.mode is not None]
-        steps = tuple(step for step in steps if step.at_s >= pilot.begins_s)
-        self._mode: Final = modes[-1] if modes else ""
-        self.follower: Final = pilot.follower(robot, self._reach)
-        operator = robot.operator
-        self.station: Final = PilotStation(
+        self.follower: Final = pilot.follower(robot, self.reach)
+        super().__init__(
+            robot,
+            steps,
             self.follower,
-            (operator.system_id, operator.component_id),
+            begins_s=pilot.begins_s,
             video=None if pilot.video is None else pilot.video.video,
         )
-        self._robot: Final = robot
-        self._steps: Final = steps
-        self._taken = 0
-
-    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Deliver the link's packets."""
-        return self._in_time(self.station.receive(packet, now))
-
-    def wake(self, now: Nanoseconds) -> Reaction:
-        """Order what the steps that are due say, and go on."""
-        while self._due <= now:
-            for one in orders.of_step(self._steps[self._taken], self._robot, now):
-                self.station.order(one.title, one.number, one.params, now)
-            self._taken += 1
-        return self._in_time(self.station.wake(now))
-
-    def _reach(self) -> Curvatures:
-        """Return what the robot drives in the mission's mode, by the values that it has sent."""
-        robot_type = robot_type_of(self._robot)
-        of_mode = robot_type.modes[self._mode].curvatures if self._mode in robot_type.modes else None
-        if of_mode is not None:
-            try:
-                return Curvatures(*of_mode(self._robot, self.station.shown.values))
-            except KeyError as missing:
-                # The next command tries again: the value comes within a second.
-                raise PathError(f"the robot has not reported {missing.args[0]} yet") from missing
-        made = robot_type.model
-        most = (Unicycle() if made is None else made(self._robot)).tightest_per_m
-        return Curvatures(-most, most)
-
-    @property
-    def _due(self) -> Nanoseconds:
-        return from_seconds(self._steps[self._taken].at_s) if self._taken < len(self._steps) else NEVER
-
-    def _in_time(self, reaction: Reaction) -> Reaction:
-        return Reaction(reaction.sent, min(reaction.wake_at, self._due))
 
 
 class HandedOver:

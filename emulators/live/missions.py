@@ -27,7 +27,9 @@ class PageMissions:
             name: one
             for name in self._setup.shipped()
             for one in (missions.find(name, rig.robot, self._setup),)
-            if one.pilot is None and (one.plant, one.max_delay_s) == (mission.plant, mission.max_delay_s)
+            if one.pilot is None
+            and one.survey is None
+            and (one.plant, one.max_delay_s) == (mission.plant, mission.max_delay_s)
         }
 
     @property

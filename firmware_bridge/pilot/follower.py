@@ -68,6 +68,11 @@ class PathDriver:
         self.held_back = 0
         """Count of standstills despite a command to drive, since its last motion."""
 
+    @property
+    def arrived(self) -> bool:
+        """True once it has come to the end of an open path."""
+        return self._pursuit is not None and self._pursuit.ended
+
     def sees(self, sight: Sight) -> None:
         """Take a pose that has come."""
         self._sight = sight

@@ -69,7 +69,7 @@ class Display:
     newest: Sight | None = None
     """The newest pose that came, seen or not."""
     values: dict[str, float] = field(default_factory=dict)
-    """The newest of each named value: RTT, AGE and LOSS among them, as the robot finds them."""
+    """The newest of each named value, switches too: RTT, AGE and LOSS are as the robot finds them."""
     speeds: tuple[float, ...] = ()
     """Of the axes that roll, in the robot's order and units; zeros after the last one."""
     battery_v: float | None = None
@@ -120,6 +120,7 @@ class PilotStation:
             dialect.MAVLINK_MSG_ID_STATUSTEXT: self._on_text,
             dialect.MAVLINK_MSG_ID_ODOMETRY: self._located,
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: self._valued,
+            dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT: self._valued,
             dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY: self._rolling,
             dialect.MAVLINK_MSG_ID_BATTERY_STATUS: self._charged,
             dialect.MAVLINK_MSG_ID_TIMESYNC: self._timed,
@@ -271,7 +272,7 @@ class PilotStation:
         self.driver.sees(sight)
 
     def _valued(self, message: Message, _now: Nanoseconds) -> None:
-        self.shown.values[text_of(message.name)] = message.value
+        self.shown.values[text_of(message.name)] = float(message.value)
 
     def _rolling(self, message: Message, _now: Nanoseconds) -> None:
         if text_of(message.name) == ROLLING:

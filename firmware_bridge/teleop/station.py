@@ -246,6 +246,8 @@ class StationRows(Generic[G, M, S]):
     """In the order of DO_SET_ACTUATOR's parameters 1, 2, ... of set 0."""
     values: tuple[Value[M, S], ...] = ()
     margin: Margin[G, M, S] | None = None
+    lifted: str = ""
+    """Name of the value with the height in m to which it lifts a load; empty where it lifts none."""
     parameters: tuple[Fixed[G], ...] = ()
     gauges: tuple[Gauge[G], ...] = ()
     """Of axes whose place is read off in another way than the axis's own unit; others need no row."""
@@ -272,6 +274,8 @@ class StationRows(Generic[G, M, S]):
         named = [value.name for value in self.values] + [
             row.telemetry for row in self.switches if row.telemetry
         ]
+        if self.lifted and self.lifted not in named:
+            raise ValueError(f"station: lifted '{self.lifted}' is none of its values")
         _need_distinct("gauges", [gauge.role for gauge in self.gauges])
         _need_distinct("buttons", buttons)
         _need_distinct("relays", [switch.relay for switch in self.switches])

@@ -31,6 +31,12 @@ STUDIES: Final = (
         f"{HERE}.equal_speeds:equal_speeds",
     ),
     Study(
+        "three_ways",
+        "Three ways on one unrolled picture: planar, exact rolling, the plant; and the chains closed by (30)",
+        f"{PAPER}, (1)-(3), (30), Fig. 6",
+        f"{HERE}.three_ways:three_ways",
+    ),
+    Study(
         "pivot",
         "It turns about one wheel: the reduced solution, as printed and corrected",
         f"{PAPER}, (33)",

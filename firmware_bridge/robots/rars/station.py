@@ -134,6 +134,7 @@ STATION: Final[StationRows[RarsGeometry, RarsMotion, RarsState]] = StationRows(
         Value("STEER", SECOND // 10, _steer_deg, "inner wheel, deg, left positive"),
         Value("ZPOS", SECOND // 5, lambda seen: seen.body.lift_m, "m above collapsed"),
     ),
+    lifted="ZPOS",
     margin=Margin(_margin_mm, _least_mm, "mm", "zero-moment point inside the support"),
     gauges=(
         Gauge(

@@ -26,10 +26,10 @@ def steps(mission: Mission) -> list[RarsStep]:
     return [step for step in mission.step if isinstance(step, RarsStep)]
 
 
-def test_nine_missions_are_shipped() -> None:
+def test_eleven_missions_are_shipped() -> None:
     assert list(BENCH_SETUP.shipped()) == [
         "circles", "faults", "interlocks", "left_failed", "line", "pursuit", "steering_failed", "stuck",
-        "thesis",
+        "survey", "thesis", "video",
     ]  # fmt: skip
 
 
@@ -80,7 +80,7 @@ def test_a_mission_is_a_few_lines() -> None:
         ('title = "t"\n' + STEP + "arm = true", "duration_s: is missing"),
         (HEAD, "step: is missing"),
         (HEAD + "step = []", "step: "),
-        (HEAD + "speed = 1\n" + STEP + "arm = true", "speed: no such key; there are 13"),
+        (HEAD + "speed = 1\n" + STEP + "arm = true", "speed: no such key; there are 14"),
         (HEAD + STEP + "sped_mps = 0.1", "step[0].sped_mps: no such key; perhaps 'speed_mps'?"),
         (
             HEAD + STEP + "arm = true" + "\n[noise]\njiter_ms = 1.0",

@@ -1,0 +1,218 @@
+"""A survey: drive to a point, stand, lift, read a detector, lower, go on to the next point.
+
+Source: A. P. Das, PhD thesis, IIT Delhi, 2018, chapter 1 and 2.1: readings of a radiation detector at points
+that the operator chooses, each at several heights. Every command passes the bridge's interlocks as a hand's
+does: it drives with the table down, and lifts at standstill.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final, NamedTuple
+
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.pilot.driver import NEUTRAL, DriveCommand, Extras, Sight, Stick
+from firmware_bridge.pilot.follower import PathDriver
+from firmware_bridge.pilot.link import PilotLink
+from firmware_bridge.pilot.paths import Point
+from firmware_bridge.units import SECOND, Nanoseconds
+
+STANDS_MPS: Final = 0.005
+STANDS_FOR: Final[Nanoseconds] = SECOND
+"""Time of standstill before it lifts, and with the table down before it drives on."""
+AT_HEIGHT_M: Final = 0.002
+RESTS_FOR: Final[Nanoseconds] = SECOND // 2
+"""Time at the height, with the detector switched on, before it reads."""
+SLOWS_M: Final = 0.05
+"""Distance to the height from which on the table slows down: its height comes five times a second."""
+SLOWEST: Final = 0.1
+"""Share of full stick near the height."""
+REFUSED_FOR: Final[Nanoseconds] = 5 * SECOND
+"""Time without a path after which a point is left out: what the robot can drive may come late."""
+PATIENCE: Final[Nanoseconds] = 60 * SECOND
+"""Time of lifting after which a height counts as out of reach."""
+PRESSED_EVERY: Final[Nanoseconds] = SECOND
+"""Interval of presses of the detector's button until the robot reports it switched."""
+
+
+class Phase(Enum):
+    """What a survey does."""
+
+    DRIVES = "drives to its point"
+    STANDS = "stands"
+    LIFTS = "lifts"
+    READS = "reads"
+    LOWERS = "lowers"
+    ENDED = "has ended"
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Points in m, ahead and to the left of where it begins; heights in m above the lowest."""
+
+    points: tuple[Point, ...]
+    heights_m: tuple[float, ...]
+    reads: Nanoseconds
+
+
+class Reading(NamedTuple):
+    """One reading: where the robot believes that it stands, and from when to when."""
+
+    point: int
+    """Counted from 0."""
+    pose: Pose
+    height_m: float
+    begins: Nanoseconds
+    ends: Nanoseconds
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """What lifts the detector and switches it on, by the robot's station."""
+
+    extras: Extras
+    height: str
+    """Name of the value with the height in m above the lowest."""
+    button: int
+    """Place of the detector's switch among the switches with a button."""
+    reported: str
+    """Name of the value that is 1 while the detector is switched on."""
+
+
+class SurveyDriver:
+    """A `firmware_bridge.pilot.driver.Driver`."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        table: Table,
+        legs: Callable[[Point], PathDriver],
+        values: Callable[[], Mapping[str, float]],
+    ) -> None:
+        """Survey by a plan; `legs` make a follower to a point, `values` are the robot's newest ones."""
+        self._plan: Final = plan
+        self._table: Final = table
+        self._legs: Final = legs
+        self._values: Final = values
+        self.phase = Phase.DRIVES
+        self.readings: Final[list[Reading]] = []
+        self.refused: Final[dict[int, str]] = {}
+        """Why there is no reading of a point, or not of all heights, by its number."""
+        self._point = self._height = 0
+        self._leg: PathDriver | None = None
+        self._sight: Sight | None = None
+        self._since: Nanoseconds = 0
+        """Time when the phase began, or when it last moved while it stands."""
+        self._away_at: Nanoseconds = 0
+        """Time when it was last not at its height."""
+        self._pressed_at: Nanoseconds = -PRESSED_EVERY
+        self._holds = False
+        """True while the lift's button is held."""
+        self._next: Final = {
+            Phase.DRIVES: self._drive,
+            Phase.STANDS: self._stand,
+            Phase.LIFTS: self._lift,
+            Phase.READS: self._read,
+            Phase.LOWERS: self._lower,
+            Phase.ENDED: self._end,
+        }
+
+    def sees(self, sight: Sight) -> None:
+        """Take a pose that has come."""
+        self._sight = sight
+        if self._leg is not None:
+            self._leg.sees(sight)
+
+    def command(self, link: PilotLink, now: Nanoseconds, *, armed: bool) -> DriveCommand:
+        """Return what leads on; at rest while the robot is not armed, or not seen."""
+        if not armed or self._sight is None:
+            self._since = now
+            return NEUTRAL
+        return self._next[self.phase](link, now)
+
+    def _drive(self, link: PilotLink, now: Nanoseconds) -> DriveCommand:
+        if self._leg is None:
+            self._leg = self._legs(self._plan.points[self._point])
+            if self._sight is not None:
+                self._leg.sees(self._sight)
+        command = self._leg.command(link, now, armed=True)
+        if self._leg.refused and now - self._since >= REFUSED_FOR:
+            self.refused[self._point] = self._leg.refused
+            self._go_on(now)
+        elif self._leg.arrived:
+            self._to(Phase.STANDS, now)
+        return command
+
+    def _stand(self, _link: PilotLink, now: Nanoseconds) -> DriveCommand:
+        if self._sight is None or abs(self._sight.moving.speed_mps) > STANDS_MPS:
+            self._since = now
+        elif now - self._since >= STANDS_FOR:
+            self._to(Phase.LIFTS, now)
+        return NEUTRAL
+
+    def _lift(self, _link: PilotLink, now: Nanoseconds) -> DriveCommand:
+        wanted = self._plan.heights_m[self._height]
+        if self._waited(now, f"{wanted:g} m was not reached"):
+            return NEUTRAL
+        if not (self._at(wanted) and self._detecting(on=True)):
+            self._away_at = now
+        elif now - self._away_at >= RESTS_FOR:
+            self._to(Phase.READS, now)
+            return NEUTRAL
+        return self._moved(wanted, now, on=True)
+
+    def _read(self, _link: PilotLink, now: Nanoseconds) -> DriveCommand:
+        if now - self._since < self._plan.reads or self._sight is None:
+            return NEUTRAL
+        height = self._values().get(self._table.height, 0.0)
+        self.readings.append(Reading(self._point, self._sight.moving.pose, height, self._since, now))
+        self._height += 1
+        self._to(Phase.LIFTS if self._height < len(self._plan.heights_m) else Phase.LOWERS, now)
+        return NEUTRAL
+
+    def _lower(self, _link: PilotLink, now: Nanoseconds) -> DriveCommand:
+        if not (self._at(0.0) and self._detecting(on=False)):
+            return self._moved(0.0, now, on=False)
+        self._go_on(now)
+        return NEUTRAL
+
+    def _end(self, _link: PilotLink, _now: Nanoseconds) -> DriveCommand:
+        return NEUTRAL
+
+    def _go_on(self, now: Nanoseconds) -> None:
+        self._point, self._height, self._leg = self._point + 1, 0, None
+        self._to(Phase.DRIVES if self._point < len(self._plan.points) else Phase.ENDED, now)
+
+    def _to(self, phase: Phase, now: Nanoseconds) -> None:
+        self.phase, self._since, self._away_at, self._holds = phase, now, now, False
+
+    def _waited(self, now: Nanoseconds, why: str) -> bool:
+        """Return whether a height has been waited for too long; then it is lowered."""
+        if now - self._since < PATIENCE:
+            return False
+        self.refused[self._point] = why
+        self._to(Phase.LOWERS, now)
+        return True
+
+    def _at(self, height_m: float) -> bool:
+        return abs(self._values().get(self._table.height, float("nan")) - height_m) <= AT_HEIGHT_M
+
+    def _detecting(self, *, on: bool) -> bool:
+        return (self._values().get(self._table.reported) == 1.0) is on
+
+    def _moved(self, wanted: float, now: Nanoseconds, *, on: bool) -> Stick:
+        """Return the stick that moves the table to a height, and presses the detector's button."""
+        left = wanted - self._values().get(self._table.height, wanted)
+        share = max(min(left / SLOWS_M, 1.0), -1.0)
+        if abs(left) > AT_HEIGHT_M and abs(share) < SLOWEST:
+            share = SLOWEST if left > 0.0 else -SLOWEST
+        pressed: tuple[int, ...] = ()
+        if not self._detecting(on=on) and now - self._pressed_at >= PRESSED_EVERY:
+            pressed, self._pressed_at = (self._table.button,), now
+        _, buttons = self._table.extras.encoded(0.0, pressed)
+        button = self._table.extras.up_button
+        held = button is None or self._holds
+        # The stick counts from where it stood when its button was pressed: at rest first.
+        self._holds = True
+        up = share if held and abs(left) > AT_HEIGHT_M else 0.0
+        return Stick(up=up, buttons=buttons if button is None else buttons | 1 << button)
