@@ -66,10 +66,22 @@ STUDIES: Final = (
         f"{HERE}.slopes:slopes",
     ),
     Study(
+        "step",
+        "Over a step of 20 mm: pushes, loads on springs, a wheel in the air",
+        f"{THESIS}, 2.3, Fig. 2.3",
+        f"{HERE}.step:step",
+    ),
+    Study(
         "line_and_circles",
         "Line and circles through the whole chain, and what its odometry is off",
         f"{THESIS}, 4.2.2, Fig. 4.18, 4.19",
         f"{HERE}.runs:line_and_circles",
+    ),
+    Study(
+        "side_load",
+        "A line of 2 m whose odometry is off, and a load aside",
+        f"{THESIS}, 4.2.2, Fig. 4.12-4.15",
+        f"{HERE}.side_load:side_load",
     ),
     Study(
         "slip_circle",
