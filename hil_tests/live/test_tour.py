@@ -152,6 +152,9 @@ def test_a_robot_with_an_arm_is_shown_from_above_and_from_the_side(
     page.waits("document.getElementById('tool').textContent !== before")
     drawn = "document.querySelector('#{} .arm polyline').points.length"
     assert [page.value(drawn.format(one)) for one in ("robot", "side")] == [7, 7]
+    # Its margin has a plot behind the three of its axes, and a line for the least one.
+    page.waits("plots.charts.length === 4 && plots.charts[3].data[1].filter(isNumber).length > 5")
+    assert page.value("new Set(plots.charts[3].data[2].filter(isNumber)).size") == 1
     fits(page, tmp_path / "arm")
 
 
