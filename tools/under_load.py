@@ -90,6 +90,9 @@ def main() -> int:
             return 1
         counted.update(outcome for _, outcome in found)
         failed.update(name for name, outcome in found if outcome == "failed")
+        shown = ", ".join(f"{number} {outcome}" for outcome, number in sorted(counted.items()))
+        sys.stdout.write(f"under load: {sum(counted.values())} of {options.runs} runs: {shown}\n")
+        sys.stdout.flush()
     quiet = (
         {name for name, outcome in results(sorted(failed), 0.0) if outcome == "failed"} if failed else set()
     )

@@ -108,6 +108,52 @@ def pose_law(desired: Matrix, actual: Matrix, twist: Matrix, gains: tuple[float,
     return law
 
 
+class PoseGains(NamedTuple):
+    """Gains of `PoseControl`: three of the position, one of the orientation."""
+
+    kp_per_s: float
+    ko_per_s: float
+    ki_per_s2: float = 0.0
+    kd: float = 0.0
+    """Below 1: a difference of two cycles stands for e', and from 1 on it would grow by itself."""
+
+
+class PoseControl:
+    """`pose_law` with the position's integral and derivative, x' = x_d' + K_p e + K_i int e + K_d e'.
+
+    Source: A. Seleit, chapter 3, the loops of Fig. 3.9 (open), 3.10 (PI) and 3.11 (PID).
+    """
+
+    def __init__(self, gains: PoseGains) -> None:
+        self._gains: Final = gains
+        self._sum: Matrix = np.zeros(3)
+        """The integral of the position's error, m s."""
+        self._last: Matrix | None = None
+        """The position's error a cycle before, m."""
+
+    def reset(self) -> None:
+        """Forget the integral, and the error before."""
+        self._sum, self._last = np.zeros(3), None
+
+    def twist(
+        self, desired: Matrix, actual: Matrix, feed: Matrix, seconds: float, *, limited: bool = False
+    ) -> Matrix:
+        """Return the tool's speed and turn, m/s and rad/s, `seconds` after the call before.
+
+        `feed` is the desired pose's twist. Nothing is added to the integral where the tool was `limited` to
+        less than the last twist: it would overshoot afterwards (wind-up).
+        """
+        gains, error = self._gains, desired[:3, 3] - actual[:3, 3]
+        if not limited:
+            self._sum = self._sum + seconds * error
+        # Without an error before there is no difference: the first one would be a jump.
+        before = error if self._last is None else self._last
+        rate = (error - before) / seconds if seconds > 0.0 else np.zeros(3)
+        self._last = error
+        speed = feed[:3] + gains.ki_per_s2 * self._sum + gains.kd * rate
+        return pose_law(desired, actual, np.r_[speed, feed[3:]], (gains.kp_per_s, gains.ko_per_s))
+
+
 def slowed(
     chain: Chain,
     angles: Angles,

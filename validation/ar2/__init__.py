@@ -17,4 +17,10 @@ STUDIES: Final = (
         f"{THESIS}, (3.16), (3.24), (3.25)",
         f"{HERE}.rates:resolved_rate",
     ),
+    Study(
+        "laws",
+        "Ramp in open loop, sine by PI, the orbit's height by PID, and the tool's workspace",
+        f"{THESIS}, chapter 3, Fig. 3.3, 3.9-3.11",
+        f"{HERE}.laws:laws",
+    ),
 )

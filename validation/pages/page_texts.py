@@ -88,7 +88,13 @@ throttle, is neutral at 0 or at 500: it counts from its value when its button wa
 axes that are read must be neutral; the refusal names the axis and its value. An axis that is no longer used
 (0x7FFF) is neutral at once.
 
-`firmware-bridge pilot` drives from the terminal, too: {keys}."""
+`firmware-bridge pilot` drives from the terminal, too: {keys}.
+
+`--view video` shows the robot by two pictures a second, each 0.5 s old (A. P. Das, PhD thesis, App. A): the
+display, and a path follower, see no pose between. `--view predicted` shows those pictures moved to the newest
+pose, by (6.2) of the thesis, corrected; what no picture has shown stays dark. The picture is a room with
+posts that stands for the robot's own, drawn by a program of its own in a window, or with `--view-to FILE.png`
+into a file. It needs the extra `plots`."""
 STATIONS_TEXT: Final = """Any MAVLink station can drive: by MANUAL_CONTROL, by RC_CHANNELS_OVERRIDE, or by
 SET_POSITION_TARGET_LOCAL_NED. All of them are subject to the same motion permission, operator link timeout,
 age limits and interlocks ([interlocks, limits and stops](safety.md), [one station in

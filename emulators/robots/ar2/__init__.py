@@ -13,10 +13,12 @@ import numpy as np
 
 from emulators.bench.bench_setup import BenchSetup, Channel, StickAxes, TwistAxes
 from emulators.bench.columns import Column, Curve, Floats, Panel, Samples
+from emulators.bench.kepler import flight
 from emulators.bench.path_error import OFFSET
 from emulators.bench.path_error import Path as FollowedPath
 from emulators.bench.step import Finite, Holds, Positive, Presses, Slope, Step
 from emulators.robots.ar2.cases import cases
+from firmware_bridge.motion.orbit import THESIS
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.ar2.arm import AR2
 from firmware_bridge.robots.ar2.geometry import Ar2Geometry
@@ -105,11 +107,25 @@ def _upwards(height: Callable[[Floats, float], Floats]) -> Callable[[Ar2], Follo
     return path
 
 
+_ramp: Final = _upwards(lambda seconds, high: seconds * high / 60.0)
+_sine: Final = _upwards(lambda seconds, high: high * np.sin(2.0 * np.pi * seconds / 60.0))
+
+
+def _orbit_z(robot: Ar2) -> FollowedPath:
+    """Return the orbit's height from its begin on; it keeps its place ahead."""
+    flown, _ = flight(THESIS.place, THESIS.speed)
+    scale = robot.geometry.courses.orbit_m_per_du
+    return lambda seconds: (0.0 * seconds, scale * (flown(seconds)[2] - float(THESIS.place[2])))
+
+
 PATHS: Final[Mapping[str, Callable[[Ar2], FollowedPath]]] = {
-    "ramp": _upwards(lambda seconds, high: seconds * high / 60.0),
-    "sine": _upwards(lambda seconds, high: high * np.sin(2.0 * np.pi * seconds / 60.0)),
+    "ramp": _ramp,
+    "sine": _sine,
+    "ramp_open": _ramp,
+    "sine_pi": _sine,
+    "orbit_z": _orbit_z,
 }
-"""(3.24) and (3.25): of 60 s, as the file has them."""
+"""(3.24) and (3.25): of 60 s, as the file has them; the height of (4.10), 1 TU in 1 s."""
 
 
 def _remarks(robot: Ar2) -> Mapping[str, str]:

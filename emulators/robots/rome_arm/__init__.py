@@ -14,6 +14,7 @@ import numpy as np
 
 from emulators.bench.bench_setup import BenchSetup, Channel, StickAxes
 from emulators.bench.columns import Column, Curve, Floats, Panel, Samples
+from emulators.bench.kepler import flight
 from emulators.bench.path_error import HEIGHT
 from emulators.bench.path_error import Path as FollowedPath
 from emulators.bench.step import Finite, Holds
@@ -32,7 +33,6 @@ OF_THE_ARM: Final = ("angle_", "lag_")
 USED: Final = 0.9
 """Share of the base's speed and acceleration that a path may ask for."""
 INSTANTS: Final = 4000
-NEWTONS: Final = 30
 SHAKEN: Final = 10
 """Samples over which what a wheel carries is the mean: 100 ms."""
 
@@ -78,34 +78,9 @@ def _full(half: Half, name: str) -> Channel:
 def _orbit(robot: RomeArm) -> FollowedPath:
     """Return the orbit on the floor, by its shape and Kepler's equation; mu is 1."""
     table = robot.geometry.orbit
-    place, speed = table.begin.place, table.begin.speed
-    away = float(np.linalg.norm(place))
-    # Vis-viva: the semi-major axis from distance and speed.
-    axis = 1.0 / (2.0 / away - float(speed @ speed))
-    # The eccentricity vector, which points to the pericenter.
-    towards = float(speed @ speed) * place - float(place @ speed) * speed - place / away
-    eccentricity = float(np.linalg.norm(towards))
-    ahead = towards / eccentricity
-    beside = np.cross(np.cross(place, speed), ahead)
-    beside /= np.linalg.norm(beside)
-    n = axis**-1.5
-    begin = math.atan2(
-        float(place @ speed) / math.sqrt(axis), 1.0 - away / axis
-    )  # of the eccentric anomaly: e sin E, e cos E
-    mean = begin - eccentricity * math.sin(begin)
-
-    def flown(times: Floats) -> Floats:
-        anomaly = mean + n * times + eccentricity * np.sin(mean + n * times)
-        for _ in range(NEWTONS):
-            # Newton's step on Kepler's equation, E - e sin E = M.
-            late = anomaly - eccentricity * np.sin(anomaly) - mean - n * times
-            anomaly = anomaly - late / (1.0 - eccentricity * np.cos(anomaly))
-        across = math.sqrt(1.0 - eccentricity**2) * np.sin(anomaly)
-        found: Floats = axis * (np.outer(ahead, np.cos(anomaly) - eccentricity) + np.outer(beside, across))
-        return found
-
+    flown, period = flight(table.begin.place, table.begin.speed)
     sizes = np.array((table.m_per_du, table.m_per_du, table.height_per_du))[:, None]
-    times = np.linspace(0.0, math.tau / n, INSTANTS)
+    times = np.linspace(0.0, period, INSTANTS)
     # A robot that is too slow for the orbit's own time flies it more slowly, and in the same shape.
     seconds_per_tu = max(table.s_per_tu, _stretch(robot, sizes * flown(times), times[1]))
 

@@ -10,7 +10,7 @@ from firmware_bridge.robots.ar2.drawing import DRAWING
 from firmware_bridge.robots.ar2.geometry import Ar2Geometry
 from firmware_bridge.robots.ar2.kinematics import GROUPS, TOOL, Ar2Kinematics, reach
 from firmware_bridge.robots.ar2.motion import Ar2Motion, Ar2State
-from firmware_bridge.robots.ar2.path_follower import COURSES, Ar2PathFollower
+from firmware_bridge.robots.ar2.path_follower import COURSES, LAWS, Ar2PathFollower
 from firmware_bridge.robots.ar2.rules import INTERLOCKS, LIMITS, slowed
 from firmware_bridge.robots.ar2.station import STATION
 
@@ -36,7 +36,10 @@ ROBOT_TYPE: Final[RobotType[Ar2Geometry, Ar2Motion, Ar2State]] = RobotType(
     reach=reach,
     station=STATION,
     drawing=DRAWING,
-    path_followers={name: partial(Ar2PathFollower, course=course) for name, course in COURSES.items()},
+    path_followers={
+        **{name: partial(Ar2PathFollower, course=course) for name, course in COURSES.items()},
+        **{name: partial(Ar2PathFollower, course=course, law=name) for name, course in LAWS.items()},
+    },
 )
 
 

@@ -40,10 +40,27 @@ class Workspace(Table):
 
 
 class Ar2Gains(Table):
-    """Gains of the law (3.16), (3.21) to (3.23)."""
+    """Gains of the law (3.16), (3.21) to (3.23): x' = x_d' + K_p e + K_i int e + K_d e' for the tool."""
 
     kp_per_s: NonNegative
+    """Of the tool's position; with 0, and without `ki_per_s2` and `kd`, the loop is open."""
     ko_per_s: NonNegative
+    """Of its orientation."""
+    ki_per_s2: NonNegative = 0.0
+    """Of the position's integral."""
+    kd: Annotated[NonNegative, Field(lt=1.0)] = 0.0
+    """Of the position's derivative, which is taken from two cycles: from 1 on it would grow by itself."""
+
+
+class Ar2Control(Ar2Gains):
+    """Gains of all path followers but those that have their own; the print has none (Fig. 3.9 to 3.11)."""
+
+    ramp_open: Ar2Gains = Ar2Gains(kp_per_s=0.0, ko_per_s=0.0)
+    """The ramp in open loop."""
+    sine_pi: Ar2Gains = Ar2Gains(kp_per_s=3.0, ko_per_s=1.5, ki_per_s2=1.0)
+    """The sine by PI."""
+    orbit_z: Ar2Gains = Ar2Gains(kp_per_s=3.0, ko_per_s=1.5, ki_per_s2=1.0, kd=0.2)
+    """The height of the orbit by PID."""
 
 
 class ToolPose(Table):
@@ -59,6 +76,8 @@ class Courses(Table):
 
     height_m: Positive = 0.08
     ramp_s: Positive = 60.0
+    orbit_m_per_du: Positive = 0.9
+    """Height of 1 DU for the path follower `orbit_z`, z of the orbit (4.10); 1 TU is 1 s."""
     pose: ToolPose
 
 
@@ -67,7 +86,7 @@ class Ar2Geometry(Table):
 
     limits: Ar2Limits
     workspace: Workspace
-    control: Ar2Gains
+    control: Ar2Control
     courses: Courses
 
 
