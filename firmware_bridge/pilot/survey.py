@@ -126,8 +126,9 @@ class SurveyDriver:
     def command(self, link: PilotLink, now: Nanoseconds, *, armed: bool) -> DriveCommand:
         """Return what leads on; at rest while the robot is not armed, or not seen."""
         if not armed or self._sight is None:
-            self._since = now
-            return NEUTRAL
+            # Armed again it begins its phase again: from rest, and with the lift's button released.
+            self._since, self._away_at, self._holds = now, now, False
+            return NEUTRAL if self._leg is None else self._leg.command(link, now, armed=False)
         return self._next[self.phase](link, now)
 
     def _drive(self, link: PilotLink, now: Nanoseconds) -> DriveCommand:

@@ -143,6 +143,24 @@ def test_an_emergency_stop_ends_it_with_what_it_has(one_point: Driven) -> None:
     assert all(abs(one.speed_mps) < CREEPS_MPS for one in after)
 
 
+def test_disarmed_while_it_drives_and_while_it_lifts_it_goes_on_once_armed_again(one_point: Driven) -> None:
+    lifts = next(one.at_s for one in one_point.instants if one.phase is Phase.LIFTS)
+    breaks = [
+        (5.0, "disarm"),
+        (7.0, "arm"),
+        (round(lifts + 3.5, 2), "disarm"),
+        (round(lifts + 5.5, 2), "arm"),
+    ]
+    steps = [Step.model_validate({"at_s": at, "title": does, does: True}) for at, does in breaks]
+    mission = survey(points_m=((0.8, 0.1),), heights_m=(0.05, 0.12), reads_s=1.0)
+    driven = drive(mission, 34.0, *steps)
+    assert [row["why_not"] for row in driven.rows()] == ["", ""]
+    assert driven.operator.driver.phase is Phase.ENDED
+    for instant in driven.instants:
+        if any(begin + 1.0 < instant.at_s < begin + 2.0 for begin, does in breaks if does == "disarm"):
+            assert abs(instant.speed_mps) < CREEPS_MPS, instant
+
+
 @pytest.mark.long(beside="test_a_point_without_an_arc_is_left_out_with_its_reason_and_the_next_one_read")
 def test_a_height_out_of_reach_is_given_up_and_the_table_lowered() -> None:
     driven = drive(survey(points_m=((0.6, 0.0),), heights_m=(5.0,), reads_s=0.5), 105.0)

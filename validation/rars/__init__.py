@@ -54,6 +54,12 @@ STUDIES: Final = (
         f"{HERE}.steering:steering",
     ),
     Study(
+        "computed_torque",
+        "Computed torque through the emulated EPOS2 on the bus: 20 mm of the rack",
+        f"{THESIS}, 3.5.1, 3.5.2, (3.99)-(3.102), Fig. 3.23, 3.24",
+        f"{HERE}.computed_torque:computed_torque",
+    ),
+    Study(
         "torques",
         "The torques that drive it round a circle of 5 m, flat and on a ramp",
         f"{THESIS}, (3.13)-(3.44), Fig. 3.4 and after",
