@@ -52,12 +52,14 @@ def test_cycles_of_100_ms_leave_so_much_of_an_error_by_assumed_gains(name: str, 
     assert 1e3 * np.abs(height - height[0] - meant).max() == pytest.approx(most, rel=0.01)
 
 
+@pytest.mark.long(beside="test_cycles_of_100_ms_leave_so_much_of_an_error_by_assumed_gains")
 def test_the_sine_by_pi_is_nearer_to_its_course_than_printed_by_assumed_gains(sine: Drive) -> None:
     """Fig. 3.10: about 1 mm in the mean there, of an arm that bends and plays; 0.08 mm here."""
     assert sine.mean_mm == pytest.approx(0.075, abs=0.02)
     assert sine.most_mm < 0.4
 
 
+@pytest.mark.long(beside="test_cycles_of_100_ms_leave_so_much_of_an_error_by_assumed_gains")
 def test_without_play_the_sines_error_is_largest_where_the_tool_is_fast_by_assumed_gains(sine: Drive) -> None:
     """Fig. 3.10 has it near the turning points."""
     fast = np.abs(sine.off_mm[sine.seconds < 5.0]).mean()
@@ -65,7 +67,7 @@ def test_without_play_the_sines_error_is_largest_where_the_tool_is_fast_by_assum
     assert fast > 1.5 * slow
 
 
-@pytest.mark.long(beside="test_the_sine_by_pi_is_nearer_to_its_course_than_printed_by_assumed_gains")
+@pytest.mark.long(beside="test_cycles_of_100_ms_leave_so_much_of_an_error_by_assumed_gains")
 @every(("name", "mean", "most"), [("ramp_open", 0.04, 0.16), ("orbit_z", 0.065, 0.43)])
 def test_open_loop_and_pid_keep_their_course_through_the_whole_chain_by_assumed_gains(
     name: str, mean: float, most: float

@@ -35,6 +35,10 @@ SIDES = pytest.mark.parametrize("side", [1.0, -1.0], ids=["joint left", "joint r
 DEGREES = pytest.mark.parametrize("degrees", HEADINGS)
 
 
+FEW = pytest.mark.long(keeps=["45.0-trailing-joint left", "135.0-leading-joint right"])
+"""Two of sixteen drives are enough for the first lane."""
+
+
 @cache
 def drive(degrees: float, side: float, *, tail: bool) -> Three:
     return driven(degrees, tail=tail, side=side)
@@ -46,6 +50,7 @@ def expected(degrees: float, side: float, *, tail: bool) -> float:
     return side * DEVIATIONS[exchanged][1 if tail else 0]
 
 
+@FEW
 @SIDES
 @TAILS
 @DEGREES
@@ -57,6 +62,7 @@ def test_exact_rolling_leaves_the_straight_line_by_so_much_sizes_assumed(
     assert largest(run.aside(run.exact)) == pytest.approx(expected(degrees, side, tail=tail), abs=0.005)
 
 
+@FEW
 @SIDES
 @TAILS
 @DEGREES
@@ -68,6 +74,7 @@ def test_the_plant_leaves_the_straight_line_by_so_much_sizes_assumed(
     assert largest(run.aside(run.plant)) == pytest.approx(expected(degrees, side, tail=tail), abs=0.005)
 
 
+@FEW
 @SIDES
 @TAILS
 @DEGREES
@@ -106,6 +113,7 @@ def test_the_wheel_fixed_in_the_chassis_stands_upright_at_the_start(degrees: flo
     assert robot.touches()[1 if side > 0.0 else 0].tube == pytest.approx(0.0, abs=1e-13)
 
 
+@pytest.mark.long(keeps=["45.0"])
 @DEGREES
 def test_the_closed_chains_give_the_poses_of_integrated_rates_sizes_assumed(degrees: float) -> None:
     """(30), tail first, steps of 2 mm: no drift, the chains stay closed."""
@@ -116,6 +124,7 @@ def test_the_closed_chains_give_the_poses_of_integrated_rates_sizes_assumed(degr
     assert closing.open.max() < 1e-13
 
 
+@pytest.mark.long(beside="test_the_chains_are_closed_where_they_start")
 def test_the_closed_chains_do_so_where_the_joint_runs_away_sizes_assumed() -> None:
     """(30), nose first, steps of 1 mm: differences grow there as the joint does."""
     closing = closed_along(45.0, 0.001, 0.2, tail=False)
@@ -123,6 +132,7 @@ def test_the_closed_chains_do_so_where_the_joint_runs_away_sizes_assumed() -> No
     assert closing.open.max() < 1e-13
 
 
+@pytest.mark.long(beside="test_the_chains_are_closed_where_they_start")
 def test_half_the_step_leaves_a_quarter_of_the_difference_sizes_assumed() -> None:
     """(30): what remains is that of constant turns within a step."""
     coarse, fine = (closed_along(90.0, step, 0.2, tail=True).apart.max() for step in (0.004, 0.002))
@@ -153,6 +163,7 @@ def test_the_elements_of_30_do_not_fix_a_rotation_in_the_surface_s_axes() -> Non
     assert surface.observed() == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.long(beside="test_the_planar_model_turns_on_a_circle")
 def test_the_study_holds_its_bounds_in_short() -> None:
     """Fig. 6 and (30), at 45 degrees."""
     findings = three_ways(True)  # noqa: FBT003

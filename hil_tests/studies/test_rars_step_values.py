@@ -70,6 +70,7 @@ def test_the_lightest_wheel_leaves_the_floor_above_29_kilonewtons_a_meter() -> N
     assert leaves_at(0.220) == pytest.approx(25.0e3, abs=50.0)
 
 
+@pytest.mark.long(beside="test_the_lightest_wheel_leaves_the_floor_above_29_kilonewtons_a_meter")
 @pytest.mark.parametrize("stiffness", [15e3, 40e3])
 def test_driven_over_it_a_wheel_is_in_the_air_on_stiff_springs_only(stiffness: float) -> None:
     _, pushed = Sprung(stiffness).ridden((0, 2))
