@@ -109,8 +109,12 @@ def test_a_bridge_that_no_one_reads_any_more_stops_in_good_order() -> None:
         assert "bridge on no one" in process.stdout.readline()
         process.stdout.close()
         assert process.stderr is not None
-        assert process.stderr.read() == "ordered to stop\n"
-    assert process.returncode == 1
+        reported = process.stderr.read()
+    assert reported.startswith("ordered to stop\n")
+    # A busy machine gets round to it only after the bridge has begun with its drives, which confirm nothing.
+    begun = "not confirmed to be without power" in reported
+    assert begun or reported == "ordered to stop\n"
+    assert process.returncode == (3 if begun else 1)
 
 
 def complete(words: str) -> list[str]:
