@@ -5,6 +5,7 @@ rich measures and wraps every cell by itself, which would be most of the time of
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 from rich import box
@@ -13,6 +14,10 @@ from rich.console import Console, ConsoleOptions
 from rich.segment import Segment
 from rich.text import Text
 
+KEPT: Final = 1024
+"""Texts whose lines are kept: most cells are the same as half a second before."""
+PLAIN: Final = Console()
+"""For wrapping, which needs one for the width of a tab."""
 _PADDING: Final = 2
 """Columns beside a cell's text, one to each side."""
 
@@ -38,11 +43,11 @@ class Grid:
         body = [frame.mid_left, frame.mid_vertical, frame.mid_right]
         yield from _line(title, console, "table.title")
         yield from _line(frame.get_top(outer), console)
-        for text in _lines(console, self.headings, widths, head):
+        for text in _lines(self.headings, widths, head):
             yield from _line(text, console, "table.header")
         yield from _line(frame.get_row(outer, "head"), console)
         for row in rows[1:]:
-            for text in _lines(console, row, widths, body):
+            for text in _lines(row, widths, body):
                 yield from _line(text, console)
         yield from _line(frame.get_bottom(outer), console)
 
@@ -54,20 +59,21 @@ def _fitted(widths: list[int], space: int) -> list[int]:
     return widths
 
 
-def _lines(console: Console, row: Sequence[str], widths: Sequence[int], borders: list[str]) -> Iterator[str]:
+def _lines(row: Sequence[str], widths: Sequence[int], borders: list[str]) -> Iterator[str]:
     """Yield the lines of a row between its borders: left, in between, right."""
     left, between, right = borders
-    cells = [_wrapped(console, text, width) for text, width in zip(row, widths, strict=True)]
+    cells = [_wrapped(text, width) for text, width in zip(row, widths, strict=True)]
     for place in range(max(map(len, cells))):
         texts = (cell[place] if place < len(cell) else "" for cell in cells)
         padded = (f" {set_cell_size(text, width)} " for text, width in zip(texts, widths, strict=True))
         yield left + between.join(padded) + right
 
 
-def _wrapped(console: Console, text: str, width: int) -> list[str]:
+@lru_cache(maxsize=KEPT)
+def _wrapped(text: str, width: int) -> tuple[str, ...]:
     if cell_len(text) <= width:
-        return [text]
-    return [line.plain for line in Text(text).wrap(console, width, overflow="fold")]
+        return (text,)
+    return tuple(line.plain for line in Text(text).wrap(PLAIN, width, overflow="fold"))
 
 
 def printable(text: str) -> str:

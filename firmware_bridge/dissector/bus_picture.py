@@ -5,7 +5,7 @@ sent. Time is an argument and must not step back.
 """
 
 from collections import deque
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -201,7 +201,12 @@ class BusPicture:
         # Decoded when it is shown: most frames of a busy bus are never looked at.
         message.packet, message.read = packet, None
         message.count += 1
-        changes = self._process_data(message) if message.kind in _DATA else self._changes(now, message)
+        if message.kind in _DATA:
+            changes: Sequence[str] = self._process_data(message)
+        elif message.kind == "heartbeat":
+            changes = self._lives(now, message)
+        else:
+            changes = self._changes(message)
         return (*late, *changes) if late or changes else ()
 
     def pass_time(self, now: Nanoseconds) -> tuple[str, ...]:
@@ -236,29 +241,43 @@ class BusPicture:
         raw = payload[message.status[1] : message.status[2]]
         return found if raw == seen.raw_status else (*found, self._status(seen, raw, message.mark))
 
-    def _changes(self, now: Nanoseconds, message: MessageSeen) -> list[str]:
-        """Follow a frame of a service, and return what it has changed."""
-        packet, kind, found = message.packet, message.kind, list[str]()
-        # Services change what the reader knows, so they are read in order; process data does not.
-        message.read = self._read(packet)
+    def _lives(self, now: Nanoseconds, message: MessageSeen) -> list[str]:
+        """Follow a heartbeat, and return what it has changed; it is read when it is shown."""
+        packet, found = message.packet, list[str]()
+        # Of heartbeats the boot-up message alone changes what the reader knows.
+        if cia301.decode_heartbeat(packet.payload) is cia301.NmtState.BOOT_UP:
+            message.read = self._read(packet)
+        seen = self._sent_by(packet, found)
+        if seen is not None:
+            found += self._beats(seen, now, packet.payload)
+        return found
+
+    def _sent_by(self, packet: Packet, found: list[str]) -> NodeSeen | None:
+        """Return the sender of a frame of a service; a node that was not known is added to `found`."""
         node = None if packet.address & REMOTE else self._reader.sender(packet)
         if node is not None and node != MASTER and node not in self._nodes:
             found += self._found(node)[1]
+        return self._nodes.get(MASTER if node is None else node)
+
+    def _changes(self, message: MessageSeen) -> list[str]:
+        """Follow a frame of another service, and return what it has changed."""
+        packet, kind, found = message.packet, message.kind, list[str]()
+        # Services change what the reader knows, so they are read in order; process data does not.
+        message.read = self._read(packet)
+        seen = self._sent_by(packet, found)
         if kind == "nmt":
             self._commanded(packet.payload)
             found.append(": ".join(filter(None, message.read)))
         elif kind == "sdo":
             found += self._aborted(packet, message)
-        seen = self._nodes.get(MASTER if node is None else node)
         if seen is None:
             return found
-        if kind == "heartbeat":
-            found += self._beats(seen, now, packet.payload)
-        elif kind == "emergency":
+        if kind == "emergency":
             found += self._emergency(seen, packet, message)
-        raw = dict(self._reader.objects(packet)[1]).get(od.STATUSWORD)
-        if raw is not None and raw != seen.raw_status:
-            found.append(self._status(seen, raw))
+        elif kind == "sdo":
+            raw = dict(self._reader.objects(packet)[1]).get(od.STATUSWORD)
+            if raw is not None and raw != seen.raw_status:
+                found.append(self._status(seen, raw))
         return found
 
     def _found(self, node: int) -> tuple[NodeSeen, tuple[str, ...]]:
