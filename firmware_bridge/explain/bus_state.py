@@ -25,6 +25,8 @@ class BusState:
     """Nodes with PDOs whose mapping is not known."""
     first_at: Nanoseconds | None = None
     frames: int = 0
+    remarks: list[str] = field(default_factory=list)
+    """What looked like an incident, and is none."""
     consumers: dict[tuple[int, int], tuple[int, Nanoseconds]] = field(default_factory=dict)
     """Node and sub-index of 0x1016: whose heartbeat it waits for, and how long; node 0 for none."""
     controllers: set[int] = field(default_factory=set)

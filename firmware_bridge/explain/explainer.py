@@ -15,6 +15,7 @@ from firmware_bridge.explain.drives import Drives
 from firmware_bridge.explain.followed import FollowedBus, Pdo
 from firmware_bridge.explain.incident import Incident, Incidents
 from firmware_bridge.explain.nodes import NodesWatch
+from firmware_bridge.explain.proofs import Proofs
 from firmware_bridge.explain.source import Frame
 from firmware_bridge.explain.traffic import SPAN, Traffic
 from firmware_bridge.explain.transfers import Transfers
@@ -60,7 +61,8 @@ class BusExplainer:
         incidents = Incidents(titles, f"bus {name}" if name else "the bus")
         self.state = BusState(reader, incidents, setup.bit_rate)
         self._drives = Drives(self.state)
-        self._nodes = NodesWatch(self.state)
+        self._proofs = Proofs(self.state)
+        self._nodes = NodesWatch(self.state, self._proofs)
         self._transfers = Transfers(self.state, self._drives)
         self._traffic = Traffic(self.state)
         self._handlers: dict[int, Handler] = {}
@@ -88,6 +90,7 @@ class BusExplainer:
         self._traffic.tick(now, 1)
         self._transfers.tick(now)
         self._nodes.end(now)
+        self._proofs.end()
         self._drives.end(now)
 
     def _tick(self, at: Nanoseconds) -> None:
@@ -182,7 +185,8 @@ def explain(frames: Iterable[Frame], setup: Setup, channel: str | None = None) -
 
 
 def remarks(state: BusState) -> Iterable[str]:
-    """Yield what is no incident: PDOs that are not decoded, and drives that have nowhere to go."""
+    """Yield what is no incident: proofs, PDOs that are not decoded, drives that have nowhere to go."""
+    yield from state.remarks
     if state.undecoded:
         nodes = ", ".join(map(str, sorted(state.undecoded)))
         yield f"PDOs of node {nodes} are not decoded: no mapping is known; use --robot, --device or --eds"

@@ -51,6 +51,8 @@ class Incident:
     last_at: Nanoseconds = 0
     recovery: str = ""
     recovered_at: Nanoseconds | None = None
+    detail: Hashable = None
+    """What distinguishes it from another one of its kind at its node: an error's code."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,6 +110,7 @@ class Incidents:
             consequence=report.consequence or kind.consequence,
             check=report.check or kind.check,
             last_at=at,
+            detail=report.detail,
         )
         self.found.append(made)
         return made
@@ -128,6 +131,10 @@ class Incidents:
         """Take back the open incidents of a kind that began after an instant: another one has more."""
         for key in [key for key, one in self._open.items() if key[0] == kind.name and one.at >= since]:
             self.found.remove(self._open.pop(key))
+
+    def take_back(self, those: Sequence[Incident]) -> None:
+        """Leave out what was no incident after all."""
+        self.found[:] = [one for one in self.found if all(one is not other for other in those)]
 
     def quiet_since(self, kind: IncidentKind, before: Nanoseconds, recovery: str) -> None:
         """End the open incidents of a kind that were not seen since `before`."""

@@ -168,6 +168,7 @@ def explain_lines(chunks: Iterable[Chunk], lines: Lines) -> Explained:
         line.end(taken[-1].at)
         found += line.found
         nodes |= set(line.objects.nodes)
+        remarks += line.objects.remarks
         remarks += _remarks(line, link, kind)
         remarks += _fits_better(link, kind, own)
     return Explained(

@@ -70,6 +70,11 @@ class Objects:
         """Nodes that have answered."""
         return [node.node for node in self._bus.state.nodes.values() if node.seen] if self._used else []
 
+    @property
+    def remarks(self) -> Sequence[str]:
+        """What looked like an incident at a node, and is none."""
+        return self._bus.state.remarks
+
     def requested(self, at: Nanoseconds, text: str) -> None:
         """Take a request."""
         self._waiting = None

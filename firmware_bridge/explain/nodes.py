@@ -9,6 +9,7 @@ from firmware_bridge.explain import kinds
 from firmware_bridge.explain.bus_state import BusState
 from firmware_bridge.explain.incident import Report
 from firmware_bridge.explain.node_state import NodeState
+from firmware_bridge.explain.proofs import Proofs
 from firmware_bridge.explain.remedies import remedy_of
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
 
@@ -29,8 +30,9 @@ _RESETS: Final = frozenset({NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATIO
 class NodesWatch:
     """The nodes of one bus."""
 
-    def __init__(self, bus: BusState) -> None:
+    def __init__(self, bus: BusState, proofs: Proofs) -> None:
         self._bus = bus
+        self._proofs = proofs
 
     # Network management and error control
 
@@ -76,6 +78,7 @@ class NodesWatch:
         period = node.beats.period
         if node.silent:
             node.silent = False
+            self._proofs.heartbeat_back(node.node, at, gap)
             silence = f"its heartbeat is back after {to_seconds(gap):.2f} s"
             self._bus.incidents.close((kinds.SILENT, kinds.SILENT_CONTROLLER), at, node.node, silence)
         if period is not None and node.beats.doubled:

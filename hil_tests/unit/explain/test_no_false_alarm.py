@@ -98,6 +98,59 @@ def test_a_silence_is_not_on_purpose_while_another_drive_may_have_power(
     assert "on purpose" not in found[0].causes[0]
 
 
+def beats(log: BusLog, count: int, *, controller: bool = True) -> None:
+    for _ in range(count):
+        log.beat().wait(0.05)
+        if controller:
+            log.beat(node=100)
+
+
+def emergencies(log: BusLog, nodes: tuple[int, ...], payload: bytes) -> None:
+    for node in nodes if payload else ():
+        log.frame(0x80 + node, payload)
+
+
+@pytest.mark.parametrize(
+    ("case", "incidents"),
+    [
+        ("well", set()),
+        ("power", {"controller_silent", "emergency"}),
+        ("power before", {"controller_silent", "emergency"}),
+        ("state unknown", {"controller_silent", "emergency"}),
+        ("not reset", {"controller_silent", "emergency"}),
+        ("not noticed", {"controller_silent"}),
+        ("not back", {"controller_silent", "emergency"}),
+        ("another error", {"controller_silent", "emergency"}),
+        ("2 s", {"controller_silent", "emergency"}),
+    ],
+)
+def test_a_silence_that_every_drive_without_power_notices_and_survives_is_a_proof(
+    case: str, incidents: set[str], tmp_path: Path
+) -> None:
+    log = enabled() if "power" in case else BusLog().started()
+    if case == "power before":
+        log.shows(STATUSWORD, 0x0240)
+    nodes = (1, 2) if case == "state unknown" else (1,)
+    for node in nodes:
+        log.node = node
+        log.write(Address(0x1016, 1), 100 << 16 | 200)
+    log.node = 1
+    code = {"another error": b"\x10\x43", "not noticed": b""}.get(case, b"\x30\x81")
+    beats(log, 10)
+    beats(log, 4, controller=False)
+    emergencies(log, nodes, code and code + b"\x11" + bytes(5))
+    beats(log, 36 if case == "2 s" else 1, controller=False)
+    beats(log, 4, controller=case != "not back")
+    emergencies(log, nodes, b"" if case in {"not reset", "not noticed"} else bytes(8))
+    beats(log, 16, controller=case != "not back")
+    found = explained(log, tmp_path)
+    seen = {one.kind.name for one in found.incidents}
+    # A drive with power that stops has more to show.
+    assert seen >= incidents
+    assert bool(seen) == bool(incidents)
+    assert any("as in a proof" in text for text in found.remarks) == (not incidents)
+
+
 def test_a_client_that_gives_up_waiting_is_a_time_out(tmp_path: Path) -> None:
     log = BusLog().started().request(MODE, 3).wait(0.3).frame(0x601, "8060600000000405").beat()
     assert kinds(explained(log, tmp_path)) == ["sdo_timeout"]
