@@ -171,7 +171,7 @@ def operator_of(order: RunOrder) -> Node:
     mission, tremor = order.mission, np.random.default_rng([order.seed, HAND_STREAM])
     hand = ScriptedOperator(order.robot, order.bench_setup, mission, tremor)
     if mission.survey is not None:
-        return SurveyMission(mission.on(order.robot), mission.step, mission.survey)
+        return SurveyMission(mission.on(order.robot), mission.step, mission.survey, order.bench_setup.step)
     if mission.pilot is None:
         return hand
     pilot = PilotedMission(mission.on(order.robot), mission.step, mission.pilot)

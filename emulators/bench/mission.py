@@ -210,7 +210,7 @@ def cannot_say(mission: Mission, robot: AnyRobot, bench_setup: BenchSetup) -> It
     """Yield what the input that is in the operator's hand cannot say."""
     channels = {channel.name: channel for channel in bench_setup.channels}
     held = mission.input
-    yield from _without_a_detector(mission, robot)
+    yield from _without_a_detector(mission, robot, bench_setup)
     for index, step in enumerate(mission.step):
         # The input stays in the hand until a later step names another one.
         held = step.input or held
@@ -236,8 +236,8 @@ def cannot_say(mission: Mission, robot: AnyRobot, bench_setup: BenchSetup) -> It
                 yield Problem(where, f"'{step.title}' needs the stick")
 
 
-def _without_a_detector(mission: Mission, robot: AnyRobot) -> Iterator[Problem]:
-    if mission.survey is not None and (lacks := mission.survey.lacks(robot)):
+def _without_a_detector(mission: Mission, robot: AnyRobot, bench_setup: BenchSetup) -> Iterator[Problem]:
+    if mission.survey is not None and (lacks := mission.survey.lacks(robot, bench_setup.step)):
         yield Problem("survey", lacks)
 
 

@@ -12,12 +12,12 @@ from typing import Annotated, Final, NamedTuple, TypeAlias
 import numpy as np
 from pydantic import Field
 
+from emulators.bench import orders
 from emulators.bench.columns import ODOMETRY, POSE, Samples
 from emulators.bench.station_mission import Reach, StationMission
-from emulators.bench.step import Finite, NonNegative, Positive, Step
+from emulators.bench.step import Finite, NonNegative, Positive, Step, inputs
 from firmware_bridge.motion.model import MotionModel, Unicycle
 from firmware_bridge.motion.pose import Pose
-from firmware_bridge.pilot.driver import Extras
 from firmware_bridge.pilot.follower import PathDriver
 from firmware_bridge.pilot.goals import path_to
 from firmware_bridge.pilot.paths import Path, Point, placed
@@ -26,14 +26,17 @@ from firmware_bridge.pilot.survey import Table as Lifting
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.robot_types import robot_type_of
-from firmware_bridge.units import from_seconds, to_seconds
+from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 
 STREAM: Final = 3
 """The detector draws from this stream of the seed."""
 NEAREST_M: Final = 0.01
 """Nearer than this a source is inside the detector."""
 DETECTOR: Final = "detector"
-"""The switch of the robot's station that switches it on."""
+"""The switch that switches it on, and the key of a step that does."""
+LIFT: Final = "lift_m"
+"""The key of a step that moves the table to a height."""
+Values: TypeAlias = Callable[[], Mapping[str, float]]
 HEADINGS: Final = (
     *("point", "x_m", "y_m", "height_m", "true_x_m", "true_y_m", "true_height_m"),
     *("seconds", "counts", "per_s", "expected_per_s", "why_not"),
@@ -80,29 +83,18 @@ class Survey(Table):
         )
 
     @staticmethod
-    def lacks(robot: AnyRobot) -> str:
-        """Return what a robot lacks to survey; empty where it has all."""
+    def lacks(robot: AnyRobot, step: type[Step]) -> str:
+        """Return what a robot lacks to survey; empty where it has all. `step` is of its missions."""
         rows = robot_type_of(robot).station
-        named = {switch.name for switch in rows.switches if switch.button is not None and switch.telemetry}
-        if rows.lifted and DETECTOR in named:
+        named = {switch.name for switch in rows.switches if switch.telemetry}
+        if rows.lifted and DETECTOR in named and {LIFT, DETECTOR} <= inputs(step).keys():
             return ""
         return f"{robot.name} has no lift with a switch '{DETECTOR}' on it"
 
-    @staticmethod
-    def lifting(robot: AnyRobot) -> Lifting:
-        """Return what lifts and switches the detector of a robot that lacks nothing."""
-        rows = robot_type_of(robot).station
-        buttons = [switch for switch in rows.switches if switch.button is not None]
-        (place,) = (place for place, switch in enumerate(buttons) if switch.name == DETECTOR)
-        numbers = tuple(switch.button for switch in buttons if switch.button is not None)
-        return Lifting(Extras(numbers, rows.up_button), rows.lifted, place, buttons[place].telemetry)
-
-    def driver(
-        self, robot: AnyRobot, reach: Reach, values: Callable[[], Mapping[str, float]]
-    ) -> SurveyDriver:
+    def driver(self, robot: AnyRobot, reach: Reach, table: Lifting, values: Values) -> SurveyDriver:
         """Return what drives it, by what the robot can drive and its newest values."""
         plan = Plan(self.points_m, self.heights_m, from_seconds(self.reads_s))
-        return SurveyDriver(plan, self.lifting(robot), partial(self._leg, robot, reach), values)
+        return SurveyDriver(plan, table, partial(self._leg, robot, reach), values)
 
     def _leg(self, robot: AnyRobot, reach: Reach, point: Point) -> PathDriver:
         robot_type = robot_type_of(robot)
@@ -126,10 +118,20 @@ class Survey(Table):
 class SurveyMission(StationMission):
     """A `Node`: the station, a mission's steps, and the survey that it drives."""
 
-    def __init__(self, robot: AnyRobot, steps: tuple[Step, ...], survey: Survey) -> None:
+    def __init__(self, robot: AnyRobot, steps: tuple[Step, ...], survey: Survey, step: type[Step]) -> None:
+        """Take the robot's own class of steps, too: its table and detector are ordered by them."""
         self.survey: Final = survey
-        self.driver: Final = survey.driver(robot, self.reach, lambda: self.station.shown.values)
+        self._step: Final = step
+        rows = robot_type_of(robot).station
+        (reported,) = (switch.telemetry for switch in rows.switches if switch.name == DETECTOR)
+        table = Lifting(rows.lifted, reported, partial(self._orders, LIFT), partial(self._orders, DETECTOR))
+        self.driver: Final = survey.driver(robot, self.reach, table, lambda: self.station.shown.values)
         super().__init__(robot, steps, self.driver)
+
+    def _orders(self, key: str, value: float, now: Nanoseconds) -> None:
+        given = self._step.model_validate({"at_s": 0.0, "title": key, key: value})
+        for one in orders.of_step(given, self._robot, now):
+            self.station.order(one.title, one.number, one.params, now)
 
 
 class Surveyed(NamedTuple):

@@ -11,7 +11,7 @@ from enum import Enum
 from typing import Final, NamedTuple
 
 from firmware_bridge.motion.pose import Pose
-from firmware_bridge.pilot.driver import NEUTRAL, DriveCommand, Extras, Sight, Stick
+from firmware_bridge.pilot.driver import NEUTRAL, DriveCommand, Sight
 from firmware_bridge.pilot.follower import PathDriver
 from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.pilot.paths import Point
@@ -23,16 +23,12 @@ STANDS_FOR: Final[Nanoseconds] = SECOND
 AT_HEIGHT_M: Final = 0.002
 RESTS_FOR: Final[Nanoseconds] = SECOND // 2
 """Time at the height, with the detector switched on, before it reads."""
-SLOWS_M: Final = 0.05
-"""Distance to the height from which on the table slows down: its height comes five times a second."""
-SLOWEST: Final = 0.1
-"""Share of full stick near the height."""
 REFUSED_FOR: Final[Nanoseconds] = 5 * SECOND
 """Time without a path after which a point is left out: what the robot can drive may come late."""
 PATIENCE: Final[Nanoseconds] = 60 * SECOND
 """Time of lifting after which a height counts as out of reach."""
-PRESSED_EVERY: Final[Nanoseconds] = SECOND
-"""Interval of presses of the detector's button until the robot reports it switched."""
+ORDERED_EVERY: Final[Nanoseconds] = 10 * SECOND
+"""Interval of the same order while the robot does not report what it leads to."""
 
 
 class Phase(Enum):
@@ -68,15 +64,16 @@ class Reading(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """What lifts the detector and switches it on, by the robot's station."""
+    """What lifts the detector and switches it on: orders, as a height by stick swings over a slow link."""
 
-    extras: Extras
     height: str
     """Name of the value with the height in m above the lowest."""
-    button: int
-    """Place of the detector's switch among the switches with a button."""
     reported: str
     """Name of the value that is 1 while the detector is switched on."""
+    to_height: Callable[[float, Nanoseconds], None]
+    """Order the table to a height in m above the lowest."""
+    switch: Callable[[bool, Nanoseconds], None]
+    """Order the detector on or off."""
 
 
 class SurveyDriver:
@@ -105,9 +102,8 @@ class SurveyDriver:
         """Time when the phase began, or when it last moved while it stands."""
         self._away_at: Nanoseconds = 0
         """Time when it was last not at its height."""
-        self._pressed_at: Nanoseconds = -PRESSED_EVERY
-        self._holds = False
-        """True while the lift's button is held."""
+        self._ordered_at: Nanoseconds | None = None
+        """Time of the last order of this phase; None before."""
         self._next: Final = {
             Phase.DRIVES: self._drive,
             Phase.STANDS: self._stand,
@@ -126,8 +122,8 @@ class SurveyDriver:
     def command(self, link: PilotLink, now: Nanoseconds, *, armed: bool) -> DriveCommand:
         """Return what leads on; at rest while the robot is not armed, or not seen."""
         if not armed or self._sight is None:
-            # Armed again it begins its phase again: from rest, and with the lift's button released.
-            self._since, self._away_at, self._holds = now, now, False
+            # Armed again it begins its phase again, with its orders: the robot has forgotten them.
+            self._since, self._away_at, self._ordered_at = now, now, None
             return NEUTRAL if self._leg is None else self._leg.command(link, now, armed=False)
         return self._next[self.phase](link, now)
 
@@ -160,7 +156,8 @@ class SurveyDriver:
         elif now - self._away_at >= RESTS_FOR:
             self._to(Phase.READS, now)
             return NEUTRAL
-        return self._moved(wanted, now, on=True)
+        self._order(wanted, now, on=True)
+        return NEUTRAL
 
     def _read(self, _link: PilotLink, now: Nanoseconds) -> DriveCommand:
         if now - self._since < self._plan.reads or self._sight is None:
@@ -172,9 +169,10 @@ class SurveyDriver:
         return NEUTRAL
 
     def _lower(self, _link: PilotLink, now: Nanoseconds) -> DriveCommand:
-        if not (self._at(0.0) and self._detecting(on=False)):
-            return self._moved(0.0, now, on=False)
-        self._go_on(now)
+        if self._at(0.0) and self._detecting(on=False):
+            self._go_on(now)
+        else:
+            self._order(0.0, now, on=False)
         return NEUTRAL
 
     def _end(self, _link: PilotLink, _now: Nanoseconds) -> DriveCommand:
@@ -185,7 +183,7 @@ class SurveyDriver:
         self._to(Phase.DRIVES if self._point < len(self._plan.points) else Phase.ENDED, now)
 
     def _to(self, phase: Phase, now: Nanoseconds) -> None:
-        self.phase, self._since, self._away_at, self._holds = phase, now, now, False
+        self.phase, self._since, self._away_at, self._ordered_at = phase, now, now, None
 
     def _waited(self, now: Nanoseconds, why: str) -> bool:
         """Return whether a height has been waited for too long; then it is lowered."""
@@ -198,22 +196,13 @@ class SurveyDriver:
     def _at(self, height_m: float) -> bool:
         return abs(self._values().get(self._table.height, float("nan")) - height_m) <= AT_HEIGHT_M
 
+    def _order(self, height_m: float, now: Nanoseconds, *, on: bool) -> None:
+        """Order height and detector, and again where nothing comes of it for long."""
+        if self._ordered_at is not None and now - self._ordered_at < ORDERED_EVERY:
+            return
+        self._ordered_at = now
+        self._table.to_height(height_m, now)
+        self._table.switch(on, now)
+
     def _detecting(self, *, on: bool) -> bool:
         return (self._values().get(self._table.reported) == 1.0) is on
-
-    def _moved(self, wanted: float, now: Nanoseconds, *, on: bool) -> Stick:
-        """Return the stick that moves the table to a height, and presses the detector's button."""
-        left = wanted - self._values().get(self._table.height, wanted)
-        share = max(min(left / SLOWS_M, 1.0), -1.0)
-        if abs(left) > AT_HEIGHT_M and abs(share) < SLOWEST:
-            share = SLOWEST if left > 0.0 else -SLOWEST
-        pressed: tuple[int, ...] = ()
-        if not self._detecting(on=on) and now - self._pressed_at >= PRESSED_EVERY:
-            pressed, self._pressed_at = (self._table.button,), now
-        _, buttons = self._table.extras.encoded(0.0, pressed)
-        button = self._table.extras.up_button
-        held = button is None or self._holds
-        # The stick counts from where it stood when its button was pressed: at rest first.
-        self._holds = True
-        up = share if held and abs(left) > AT_HEIGHT_M else 0.0
-        return Stick(up=up, buttons=buttons if button is None else buttons | 1 << button)

@@ -60,8 +60,8 @@ def survey(**changed: Any) -> Mission:
 def drive(mission: Mission, seconds: float, *extra: Step) -> Driven:
     assert mission.survey is not None
     steps = tuple(sorted((*mission.step, *extra), key=lambda step: step.at_s))
-    operator = SurveyMission(ROBOT, steps, mission.survey)
-    rig, instants = Rig(ROBOT, BENCH_SETUP, operator), []
+    operator = SurveyMission(ROBOT, steps, mission.survey, BENCH_SETUP.step)
+    rig, instants = Rig(ROBOT, BENCH_SETUP, operator, link=mission.conditions), []
     for cycle in range(1, round(seconds / CYCLE_S)):
         rig.run(from_seconds(cycle * CYCLE_S))
         now, values = rig.samples[-1], operator.station.shown.values
@@ -127,6 +127,16 @@ def test_a_point_without_an_arc_is_left_out_with_its_reason_and_the_next_one_rea
     assert "only a loop leads there" in found[0]["why_not"]
     assert found[0]["counts"] == ""
     assert found[1]["counts"] != ""
+
+
+def test_over_a_slow_link_it_reads_the_same_heights() -> None:
+    mission = survey(points_m=((0.8, 0.1),), heights_m=(0.05, 0.12), reads_s=1.0).over("delay=0.8", None)
+    driven = drive(mission, 36.0)
+    assert [row["why_not"] for row in driven.rows()] == ["", ""]
+    assert [round(float(row["true_height_m"]), 2) for row in driven.rows()] == [0.05, 0.12]
+    assert driven.operator.driver.phase is Phase.ENDED
+    for instant in driven.instants:
+        assert instant.lift_m <= EXTENDED_M or abs(instant.speed_mps) < CREEPS_MPS, instant
 
 
 def test_an_emergency_stop_ends_it_with_what_it_has(one_point: Driven) -> None:
