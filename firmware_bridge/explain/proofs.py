@@ -38,8 +38,11 @@ class Proofs:
             return
         noticed = [self._noticed(node, at - gap) for node in waiting]
         found = [one for one in noticed if one is not None]
-        if len(found) == len(waiting):
-            self._seen.append((gap, silence, [*found, *self._others(at - gap, waiting)]))
+        if len(found) < len(waiting):
+            return
+        found += self._others(at - gap, waiting)
+        if self._without_power({one.node for one in found}):
+            self._seen.append((gap, silence, found))
 
     def end(self) -> None:
         """Leave out the incidents of the proofs whose drives are all well again, and remark them."""
@@ -53,6 +56,16 @@ class Proofs:
                 f"{self.bus.instant(silence.at)} s, before any drive had power: node {nodes} reported EMCY "
                 "0x8130 and was well again, as in a proof that drives notice a silent controller"
             )
+
+    def _without_power(self, noticed: set[int | None]) -> bool:
+        """Return whether no node of the bus had power; one whose state was not seen must have noticed."""
+        nodes = [one for one in self.bus.nodes.values() if one.seen and not self.bus.is_controller(one.node)]
+        return not any(
+            one.drive.enabled
+            or one.drive.enabled_once
+            or (one.drive.state is None and one.node not in noticed)
+            for one in nodes
+        )
 
     def _others(self, since: Nanoseconds, waiting: Sequence[int]) -> Iterator[Incident]:
         """Yield those of drives without power whose set-up was not seen: a gateway's is on its serial line.

@@ -121,13 +121,18 @@ def emergencies(log: BusLog, nodes: tuple[int, ...], payload: bytes) -> None:
         ("not noticed", {"controller_silent"}),
         ("not back", {"controller_silent", "emergency"}),
         ("another error", {"controller_silent", "emergency"}),
+        ("power of a drive that does not wait", {"controller_silent", "emergency"}),
         ("2 s", {"controller_silent", "emergency"}),
     ],
 )
 def test_a_silence_that_every_drive_without_power_notices_and_survives_is_a_proof(
     case: str, incidents: set[str], tmp_path: Path
 ) -> None:
-    log = enabled() if "power" in case else BusLog().started()
+    log = enabled() if case in {"power", "power before"} else BusLog().started()
+    if case == "power of a drive that does not wait":
+        log.node = 2
+        log.shows(STATUSWORD, ENABLED)
+        log.node = 1
     if case == "power before":
         log.shows(STATUSWORD, 0x0240)
     nodes = (1, 2) if case == "state unknown" else (1,)

@@ -105,13 +105,21 @@ def test_another_program_draws_it_into_a_file(tmp_path: Path) -> None:
     assert not unseen.all()
 
 
-def test_a_program_that_has_ended_is_no_loss(tmp_path: Path) -> None:
-    port = ViewWindow(tmp_path / "view.png")
-    # Nothing that can be read: it ends, as with a window that is closed.
-    port.write(0, b"nonsense\n", 0)
-    for _ in range(100):
-        port.write(0, line([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]), 0)
+@pytest.mark.parametrize("problem", [BrokenPipeError, BlockingIOError])
+def test_a_window_that_is_closed_or_behind_is_no_loss(
+    problem: type[OSError], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    port, tried = ViewWindow(tmp_path / "view.png"), []
+
+    def write(_file: int, payload: bytes) -> int:
+        tried.append(payload)
+        raise problem
+
+    with monkeypatch.context() as patched:
+        patched.setattr("os.write", write)
+        port.write(0, b"a line", 0)
     port.close()
+    assert tried == [b"a line"]
 
 
 def test_a_place_where_nothing_can_be_written_is_reported(tmp_path: Path) -> None:
