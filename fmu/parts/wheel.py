@@ -23,13 +23,14 @@ class DrivenWheel:
         radius: Expression,
         spin_inertia: Expression,
         resistance: Expression,
+        tyre: type[Tyre] = Tyre,
     ) -> None:
         self.shaft, self.left, self.radius = shaft, left, radius
         self._spin_inertia, self._resistance = spin_inertia, resistance
         self._presliding = parameters["presliding"]
         ahead, aside = body.velocity(0, left)
         self.rim = radius * shaft.speed / shaft.gear
-        self.tyre = Tyre(name, parameters, rim=self.rim, back=-ahead, right=-aside)
+        self.tyre = tyre(name, parameters, rim=self.rim, back=-ahead, right=-aside)
 
     def acceleration(self) -> Expression:
         """Return the motor's acceleration: I_w w' = tau - r F_s."""

@@ -3,7 +3,9 @@
 [R] is A. P. Das, PhD thesis, IIT Delhi, 2018; the same equations in mathematical writing: README.md.
 """
 
-from fmu.export.model import Input, Model, Output
+from collections.abc import Sequence
+
+from fmu.export.model import Input, Model, Output, Parameter
 from fmu.parts.motor import Shaft
 from fmu.parts.symbols import inner
 from fmu.rars import interface
@@ -29,9 +31,19 @@ LEAST = {"battery_voltage": 0.0}
 
 def model() -> Model:
     """Return the equations of motion of RARS with all tables."""
+    return model_of(
+        "rars",
+        "RARS: four wheels that slip, Davis steering, scissor lift, four DC motors",
+        PARAMETERS,
+        Platform,
+    )
+
+
+def model_of(name: str, description: str, parameters: Sequence[Parameter], made_of: type[Platform]) -> Model:
+    """Return RARS on a platform of this kind, with these parameters."""
     left, right, steer, lift_motor = shafts = tuple(Shaft(axis, P) for axis in interface.AXES)
     steering = Steering(steer)
-    platform = Platform(left, right, steering)
+    platform = made_of(left, right, steering)
     lift = Lift(lift_motor)
     # The order is that of the FMU's states: importers and the reference trajectories count on it.
     states = (
@@ -55,15 +67,15 @@ def model() -> Model:
     )
     local.append(inner("energy", "J", "energy stored in the whole robot", energy, 10.0))
     return Model(
-        name="rars",
-        description="RARS: four wheels that slip, Davis steering, scissor lift, four DC motors",
-        parameters=PARAMETERS,
+        name=name,
+        description=description,
+        parameters=tuple(parameters),
         inputs=tuple(
             Input(name, unit, f"motor voltage, {name.removeprefix('voltage_')}", 24.0)
             for name, unit in interface.INPUTS.items()
         ),
         states=states,
-        outputs=(*outputs, *local),
+        outputs=(*outputs, *local, *platform.readings()),
         inner_step=100e-6,
-        events=(*steering.events(), *lift.events()),
+        events=(*steering.events(), *lift.events(), *platform.events()),
     )

@@ -3,7 +3,7 @@
 import sympy as sp
 
 from fmu.export.functions import clamped, reciprocal, shared
-from fmu.export.model import Expression, StateVariable
+from fmu.export.model import Event, Expression, Output, StateVariable
 from fmu.parts.motor import Shaft, bristle
 from fmu.parts.planar import PlanarBody, Push
 from fmu.parts.symbols import HALF, symbol
@@ -19,7 +19,7 @@ SIDES = {"left": LEFT, "right": RIGHT}
 class Front:
     """A steered wheel that rolls freely: where it points, how it moves, what its tyre does."""
 
-    def __init__(self, side: str, steering: Steering, body: PlanarBody) -> None:
+    def __init__(self, side: str, steering: Steering, body: PlanarBody, tyre: type[Tyre] = Tyre) -> None:
         self.name = f"front_{side}"
         self.spin, self.friction = symbol(f"spin_{self.name}"), symbol(f"rolling_{self.name}")
         self.lateral = SIDES[side] * P["kingpin_distance"] / 2
@@ -27,7 +27,7 @@ class Front:
         per_length = reciprocal(sp.sqrt(across**2 + along**2))
         self.sine, self.cosine = shared(across * per_length), shared(along * per_length)
         hub, swing = body.velocity(P["wheelbase"], self.lateral)
-        self.tyre = Tyre(
+        self.tyre = tyre(
             self.name,
             P,
             rim=P["front_radius"] * self.spin,
@@ -80,12 +80,15 @@ class Front:
 class Platform:
     """u ahead and q to the left of the rear axle's middle, W the yaw rate to the left."""
 
+    tyre: type[Tyre] = Tyre
+    body_type: type[PlanarBody] = PlanarBody
+
     def __init__(self, left: Shaft, right: Shaft, steering: Steering) -> None:
         self._downhill = P["gravity"] * sp.sin(P["slope"])  # (3.44) corrected: the mass was missing
         self.offset_mass = P["platform_mass"] * P["centre_offset"]
         self.total_mass = P["platform_mass"] + 2 * P["wheel_mass"]
         # The convective terms that [R] 3.3.2 takes as zero do not vanish, because the offset is not zero.
-        self.body = PlanarBody(
+        self.body = self.body_type(
             mass=self.total_mass,
             offset_mass=self.offset_mass,
             inertia=P["yaw_inertia"]
@@ -97,7 +100,7 @@ class Platform:
         weight = P["gravity"] * sp.cos(P["slope"])
         self.front_load = weight * self.offset_mass / P["wheelbase"] * HALF
         self.rear_load = weight * self.total_mass * HALF - self.front_load
-        self.fronts = {side: Front(side, steering, self.body) for side in SIDES}
+        self.fronts = {side: Front(side, steering, self.body, self.tyre) for side in SIDES}
         self.rears = {
             side: DrivenWheel(
                 f"rear_{side}",
@@ -108,6 +111,7 @@ class Platform:
                 radius=P["wheel_radius"],
                 spin_inertia=P["wheel_spin_inertia"],
                 resistance=self._resistance(self.rear_load),
+                tyre=self.tyre,
             )
             for side, shaft in {"left": left, "right": right}.items()
         }
@@ -128,10 +132,8 @@ class Platform:
         uphill, left_front, left_rear = self._hold()
         # On a slope the rear wheels carry more from the start.
         shift = P["cg_height"] / P["wheelbase"] * uphill
-        pushes = [wheel.push() for wheel in self.rears.values()]
-        pushes += [front.push() for front in self.fronts.values()]
         return (
-            *self.body.states(pushes, start),
+            *self.body.states(self.pushes(), start),
             *(
                 state
                 for front in self.fronts.values()
@@ -156,6 +158,19 @@ class Platform:
         wheels = sum(front.energy(self._resistance(self.front_load)) for front in self.fronts.values())
         wheels += sum(wheel.energy() for wheel in self.rears.values())
         return self.body.energy() + wheels
+
+    def pushes(self) -> list[Push]:
+        """Return what the floor does to the platform, rear wheels first."""
+        rears = [wheel.push() for wheel in self.rears.values()]
+        return rears + [front.push() for front in self.fronts.values()]
+
+    def readings(self) -> tuple[Output, ...]:
+        """Return what another platform has to be read beside."""
+        return ()
+
+    def events(self) -> tuple[Event, ...]:
+        """Return what another platform meets."""
+        return ()
 
     def _load_tyres(self) -> None:
         """Share the weight: static pairs, and what the forces at the floor shift by Z_cg (2.2)."""

@@ -190,7 +190,7 @@ def castors(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
         remarks=(
             (
                 "The castors' masses and trail are assumed; the thesis prints none. RARS itself steers: this "
-                "is a model of its own beside the plant."
+                "is a plant of its own, `castors`."
             ),
         ),
     )

@@ -102,8 +102,8 @@ def magic_formula(quick: bool) -> Findings:  # noqa: FBT001 - every study takes 
         ),
         remarks=(
             (
-                "The plant's tyres keep to (3.83). A wheel's steady slip on a slope may be read off either "
-                "curve."
+                "The plant's tyres keep to (3.83), those of `rars_magic` to this. A wheel's steady slip on a "
+                "slope may be read off either curve."
             ),
         ),
     )

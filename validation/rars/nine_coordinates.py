@@ -149,7 +149,7 @@ def nine_coordinates(quick: bool) -> Findings:  # noqa: FBT001 - every study tak
         remarks=(
             (
                 "The front wheels' distance is assumed, 0.210 m; that of their centres is not printed. "
-                "RARS's plant has its steered wheels without mass: this is a model of its own."
+                "RARS's plant has its steered wheels without mass: the plant `nine_coordinates` has this."
             ),
         ),
     )

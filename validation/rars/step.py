@@ -238,7 +238,8 @@ def step(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
             ),
             (
                 "A driven wheel in the air turns free; the other one drives on, as each has a motor: the "
-                "source's reason for two. RARS's plant has rigid wheels on a plane: this is a model apart."
+                "source's reason for two. RARS's plant has rigid wheels on a plane; the plant "
+                "`rars_sprung` has springs."
             ),
         ),
     )

@@ -1,0 +1,1 @@
+"""RARS with tires by the magic formula, [R] (3.45)."""
