@@ -85,10 +85,16 @@ def drive(order: RunOrder, progress: Progress, carry: Carry = in_virtual_time) -
         return _driven(order, progress, carry, mcap)
 
 
-def _driven(order: RunOrder, progress: Progress, carry: Carry, mcap: Unrecorded) -> Summary:
-    order.folder.mkdir(parents=True, exist_ok=True)
+def measure(order: RunOrder) -> Summary:
+    """Drive a mission in virtual time, write nothing; PlantError, and MissionFileError, as `drive`."""
     operator = operator_of(order)
-    rig = Rig(
+    rig, begun = _rig(order, operator), time.perf_counter()
+    in_virtual_time(rig, order.duration, lambda _: None)
+    return _summary(order, rig, operator, time.perf_counter() - begun)
+
+
+def _rig(order: RunOrder, operator: Node) -> Rig:
+    return Rig(
         order.mission.on(order.robot),
         order.bench_setup,
         operator,
@@ -99,12 +105,11 @@ def _driven(order: RunOrder, progress: Progress, carry: Carry, mcap: Unrecorded)
         faults=order.mission.fault,
         injects=order.operator is not None,
     )
-    mcap.observe(rig)
-    begun = time.perf_counter()
-    with recorded(rig, order.folder), frames_recorded(rig, order.record):
-        carry(rig, order.duration, progress)
-    # Of the run alone: pictures and files come behind.
-    wall_s, reached = time.perf_counter() - begun, rig.world.now
+
+
+def _summary(order: RunOrder, rig: Rig, operator: Node, wall_s: float) -> Summary:
+    """End a run, and return its numbers; MissionFileError where its pilot's path was refused."""
+    reached = rig.world.now
     rig.finish()
     pilot = operator.pilot if isinstance(operator, HandedOver) else operator
     if isinstance(pilot, PilotedMission) and (refused := pilot.follower.refused):
@@ -123,20 +128,29 @@ def _driven(order: RunOrder, progress: Progress, carry: Carry, mcap: Unrecorded)
         cycle=order.robot.cycle,
         lines=tuple(line.carried(order.robot, reached, rig.devices) for line in rig.lines.values()),
     )
-    axes = electric(order.robot)
-    faults = rig.faults.records
-    path = path_error(rig.samples, followed(order), order.mission.settled_after_s)
-    swing = swings(order, rig.samples)
-    summary = summarize(
+    return summarize(
         run,
-        axes,
+        electric(order.robot),
         rig.samples,
         rig.interlock_events,
-        faults,
-        path=path,
-        radial_error_m=swing,
+        rig.faults.records,
+        path=path_error(rig.samples, followed(order), order.mission.settled_after_s),
+        radial_error_m=swings(order, rig.samples),
         figures={**order.bench_setup.figures, **_by_file(order)},
     )
+
+
+def _driven(order: RunOrder, progress: Progress, carry: Carry, mcap: Unrecorded) -> Summary:
+    order.folder.mkdir(parents=True, exist_ok=True)
+    operator = operator_of(order)
+    rig = _rig(order, operator)
+    mcap.observe(rig)
+    begun = time.perf_counter()
+    with recorded(rig, order.folder), frames_recorded(rig, order.record):
+        carry(rig, order.duration, progress)
+    # Of the run alone: pictures and files come behind.
+    summary = _summary(order, rig, operator, time.perf_counter() - begun)
+    faults = rig.faults.records
     as_run = run_file(AsRun(order.mission.on(order.robot)))
     for name, text in as_run.items():
         (order.folder / name).write_text(text, encoding="utf-8")

@@ -6,24 +6,30 @@ from importlib.util import find_spec
 from types import MappingProxyType
 from typing import Final, Literal, TypeAlias
 
-Extra: TypeAlias = Literal["live", "mcap", "plots", "plants"]
+Extra: TypeAlias = Literal["campaign", "cluster", "live", "mcap", "plots", "plants", "search"]
 
 LIBRARIES: Final[Mapping[Extra, tuple[str, ...]]] = MappingProxyType(
     {
+        "campaign": ("scipy", "pyarrow"),
+        "cluster": ("distributed",),
         "live": ("websockets",),
         # Foxglove's schemas bring protobuf; another package may have brought `mcap` alone.
         "mcap": ("mcap", "foxglove_schemas_protobuf"),
         "plots": ("matplotlib",),
         "plants": ("sympy",),
+        "search": ("optuna",),
     }
 )
 """The libraries by which each extra is known."""
 MISSING: Final[Mapping[Extra, str]] = MappingProxyType(
     {
+        "campaign": "Latin hypercubes, Sobol and Parquet need SciPy and PyArrow, which are not installed",
+        "cluster": "a scheduler is Dask's, which is not installed",
         "live": "the live page is served by the library websockets, which is not installed",
         "mcap": "recordings in MCAP need the library mcap and Foxglove's schemas, which are not installed",
         "plots": "pictures are drawn by Matplotlib, which is not installed",
         "plants": "a plant's equations are SymPy's, which is not installed",
+        "search": "a search for worst cases is Optuna's, which is not installed",
     }
 )
 

@@ -126,8 +126,15 @@ def find(name: str, *, plant_too: bool = False) -> AnyRobot:
 
     KIND+MORE is the kind's own robot with the tables of its further file MORE.
     """
+    if name.endswith(".toml") or SIGN in name or name not in _entries():
+        return parse(text_named(name), name, plant_too=plant_too)
+    return load(robot_type_named(name).file, plant_too=plant_too)
+
+
+def text_named(name: str) -> str:
+    """Return the text of a robot file, named as for `find`; RobotFileError where there is none."""
     if name.endswith(".toml"):
-        return load(Path(name), plant_too=plant_too)
+        return text_of(Path(name))
     installed, plus, more = name.partition(SIGN)
     if installed not in _entries():
         here = (
@@ -139,11 +146,11 @@ def find(name: str, *, plant_too: bool = False) -> AnyRobot:
         raise RobotFileError(name, Problem("", problem))
     found = robot_type_named(installed)
     if not plus:
-        return load(found.file, plant_too=plant_too)
+        return text_of(found.file)
     if more not in found.more:
         raise RobotFileError(name, Problem("", f"{installed} has no '{more}'; {near(more, found.more)}"))
     # TOML forbids a table twice, so a further file can only add tables.
-    return parse("\n".join(map(text_of, (found.file, found.more[more]))), name, plant_too=plant_too)
+    return "\n".join(map(text_of, (found.file, found.more[more])))
 
 
 def load(path: Path, *, plant_too: bool = False) -> AnyRobot:

@@ -10,11 +10,11 @@ without one.
 import argparse
 import os
 import sys
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).parents[1]))
 
+from emulators.campaign.spread import in_order
 from hil_tests.failures import encoders
 from hil_tests.failures.drive import CAUSES, KEPT, Outcome, cases, driven
 
@@ -31,6 +31,10 @@ def worst(name: str) -> list[Outcome]:
     return list(found.values())
 
 
+def _measured(one: tuple[str, str, float]) -> encoders.Off:
+    return encoders.measured(*one)
+
+
 def main() -> None:
     """Measure, and write after each cause."""
     words = argparse.ArgumentParser(description=__doc__)
@@ -38,13 +42,12 @@ def main() -> None:
     words.add_argument("-j", type=int, default=os.cpu_count() or 1, metavar="N", help="runs at a time")
     given = words.parse_args()
     chosen = [name for name in CAUSES if given.k in name]
-    with ProcessPoolExecutor(given.j) as pool:
-        if given.k in ENCODERS:
-            encoders.KEPT.write(pool.map(encoders.measured, *zip(*encoders.wanted(), strict=True)))
-        for name, rows in zip(chosen, pool.map(worst, chosen), strict=True):
-            others = [row for row in KEPT.read() if row.cause in {*CAUSES} - {name}]
-            KEPT.write(sorted((*others, *rows), key=lambda row: row.case.place))
-            print(*rows, sep="\n")  # noqa: T201
+    if given.k in ENCODERS:
+        encoders.KEPT.write(in_order(_measured, list(encoders.wanted()), given.j))
+    for name, rows in zip(chosen, in_order(worst, chosen, given.j), strict=True):
+        others = [row for row in KEPT.read() if row.cause in {*CAUSES} - {name}]
+        KEPT.write(sorted((*others, *rows), key=lambda row: row.case.place))
+        print(*rows, sep="\n")  # noqa: T201
 
 
 if __name__ == "__main__":

@@ -1,6 +1,8 @@
 """`study`: a source's figures and numbers, made again, at the command line."""
 
 import importlib
+import os
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Annotated, Final
@@ -47,11 +49,15 @@ def study(
             "--out", "-o", metavar="DIR", help="Where tables and pictures go.", show_default="nowhere"
         ),
     ] = None,
+    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, help="Number of processes for `all`.")] = (
+        os.cpu_count() or 1
+    ),
 ) -> None:
     """Reproduce a source's figures and numbers: printed, independent, ours, and why they differ.
 
     Ends with status 1 where one of our numbers is not within its bound of the independent one.
     """
+    from emulators.campaign.spread import SpreadError, in_order
     from validation.studies.shelf import studies
     from validation.studies.study import chosen
 
@@ -60,10 +66,12 @@ def study(
         return
     if name is None:
         raise refusal("study needs a name, or --list to see which there are")
-    with one_message(LookupError), written_by("--out"):
+    with one_message(LookupError, SpreadError), written_by("--out"):
         if out is not None:
             _drawing()
-        made = [(one, _one(one, quick=quick, out=out)) for one in chosen(studies(), name)]
+        wanted = chosen(studies(), name)
+        found = in_order(partial(_made, quick=quick), wanted, jobs)
+        made = [(one, _shown(one, findings, out)) for one, findings in zip(wanted, found, strict=True)]
         if out is not None:
             _report(made, out)
     wrong = [f"{one.name}: {row.quantity}" for one, found in made for row in found.out_of_bounds]
@@ -96,13 +104,16 @@ def _list() -> None:
     terminal().print(table)
 
 
-def _one(one: "Study", *, quick: bool, out: Path | None) -> "Findings":
+def _made(one: "Study", *, quick: bool) -> "Findings":
+    return one.made(quick=quick)
+
+
+def _shown(one: "Study", findings: "Findings", out: Path | None) -> "Findings":
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
     from firmware_bridge.cli.tables import terminal
 
-    findings = one.made(quick=quick)
     say(f"{one.title}\n{one.source}")
     table = Table(box=SIMPLE_HEAD)
     for heading in ("quantity", "unit"):

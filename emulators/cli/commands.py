@@ -63,6 +63,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "Inject every fault in every state of a robot; report its detection, the time and the distance.",
     ),
     CliCommand(
+        "campaign",
+        "emulators.cli.campaign:campaign",
+        "Drive missions x robots x protocols x faults x seeds x parameters, on all cores.",
+    ),
+    CliCommand(
         "faults",
         "emulators.cli.faults:faults",
         "List the faults of missions and tests; for a robot those that are possible on it, and where.",

@@ -75,6 +75,7 @@ LINES: Final = 20
 def run(given: FmeaOptions) -> None:
     """Run the command `fmea`; an error ends the program with a message."""
     from emulators.bench.faults import kinds
+    from emulators.campaign.spread import SpreadError
     from emulators.cli.beginning import report_beginning
     from emulators.fmea.matrix import all_failures, matrix, state_names
     from emulators.fmea.report import as_csv, as_page, wrongs
@@ -88,7 +89,7 @@ def run(given: FmeaOptions) -> None:
     # A function of plain values: it is sent to processes, where each makes its own robot.
     made = partial(_machine, given.robot, given.serial, given.protocol, given.encoders)
     with (
-        one_message(RobotFileError, PlanError, PlantError, ServoError, LookupError, RigError),
+        one_message(RobotFileError, PlanError, PlantError, ServoError, LookupError, RigError, SpreadError),
         written_by("--out"),
     ):
         machine = made()

@@ -1,12 +1,11 @@
 """The matrix of a robot: every failure in every state, driven from an instant that was kept."""
 
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from multiprocessing import get_context
 
 from emulators.bench.faults.failures import Failure, failures_of
+from emulators.campaign.spread import in_order
 from emulators.fmea.effect import LASTS_S, Assessment, Effect, effect, watched
 from emulators.fmea.reasons import ALONE, reason
 from emulators.fmea.states import states_of
@@ -57,22 +56,14 @@ def matrix(
     """Return the cells, state by state; they do not depend on how many processes share the work.
 
     `made` makes the robot: each process has its own, so it must be a function that can be sent there.
-    RigError where the robot cannot be armed.
+    RigError where the robot cannot be armed; SpreadError where a process dies again and again.
     """
     row = partial(of_state, made, failures)
     found: list[Cell] = []
-    for cells in _shared(row, states, jobs):
+    for cells in in_order(row, states, jobs):
         found += cells
         progress(cells)
     return found
-
-
-def _shared(row: Callable[[str], list[Cell]], states: Sequence[str], jobs: int) -> Iterator[list[Cell]]:
-    if jobs <= 1 or len(states) <= 1:
-        yield from map(row, states)
-        return
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        yield from pool.map(row, states)
 
 
 def of_state(made: Callable[[], AnyRobot], failures: Sequence[Failure], name: str) -> list[Cell]:

@@ -10,9 +10,9 @@ import argparse
 import os
 import sys
 from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor
 from functools import cache, partial
 
+from emulators.campaign.spread import in_order
 from hil_tests.stability.manoeuvres import LISTS, Driver, drawn, robot
 
 TOGETHER = 25
@@ -48,14 +48,11 @@ def main() -> int:
     parts = [seeds[place : place + TOGETHER] for place in range(0, count, TOGETHER)]
     governed: list[int] = []
     free: list[int] = []
-    with ProcessPoolExecutor(given.jobs) as pool:
-        for number, found in enumerate(pool.map(partial(tipped, hard=chosen.hard), parts), 1):
-            governed += found[0]
-            free += found[1]
-            done = min(number * TOGETHER, count)
-            print(
-                f"{done} of {count}: {len(governed)} tip with the governor, {len(free)} without", flush=True
-            )
+    for number, found in enumerate(in_order(partial(tipped, hard=chosen.hard), parts, given.jobs), 1):
+        governed += found[0]
+        free += found[1]
+        done = min(number * TOGETHER, count)
+        print(f"{done} of {count}: {len(governed)} tip with the governor, {len(free)} without", flush=True)
     if governed:
         print(f"seeds that tip with the governor: {governed}")
     return int(bool(governed) or 1000 * len(free) < chosen.of_1000 * count)
