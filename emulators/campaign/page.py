@@ -111,7 +111,7 @@ def _sensitivity(rows: Sequence[Row]) -> str:
         return f"<p>no number depends on a parameter by {STRONG:g} or more</p>"
     lines = [
         (one.figure, one.parameter, f"{one.strength:+.2f}" if one.ranked else f"{one.strength:.2f}",
-         "rank correlation (Spearman)" if one.ranked else "share of the variance between groups")
+         "rank correlation (Spearman)" if one.ranked else "correlation ratio of its values (eta)")
         for one in found[:SHOWN]
     ]  # fmt: skip
     return table(("number", "depends on", "by", "as"), lines, (2,))

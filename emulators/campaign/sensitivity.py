@@ -1,5 +1,6 @@
-"""How a number of the summary depends on what was varied: rank correlation, or the share between groups."""
+"""How a number of the summary depends on what was varied: by ranks, or by groups."""
 
+import math
 from collections.abc import Sequence
 from typing import Any, Final, NamedTuple
 
@@ -10,16 +11,19 @@ from emulators.campaign.results import Row
 
 FEWEST: Final = 4
 """Runs below which no dependence is stated."""
+TOGETHER: Final = 3
+"""Runs for each value of a parameter from which on its values are groups, too."""
+CLEARLY: Final = 0.1
 
 
 class Sensitivity(NamedTuple):
-    """One number and one parameter; `strength` is -1 to 1 for numbers (Spearman), 0 to 1 for names."""
+    """One number and one parameter; `strength` is -1 to 1 by ranks (Spearman), 0 to 1 by groups."""
 
     figure: str
     parameter: str
     strength: float
     ranked: bool
-    """By ranks, with a sign; else the share of the variance that is between groups (eta squared)."""
+    """By ranks, with a sign; else the correlation ratio (eta), which has none."""
 
 
 def varied_keys(rows: Sequence[Row]) -> list[str]:
@@ -55,20 +59,24 @@ def _sensitivity(rows: Sequence[Row], figure: str, parameter: str) -> Sensitivit
     keys = [row.key[parameter] for row in known]
     if len(known) < FEWEST or len(set(map(repr, keys))) < 2 or values.min() == values.max():  # noqa: PLR2004 - to differ
         return None
+    groups = Sensitivity(figure, parameter, _ratio(keys, values), ranked=False)
     # Seeds are names, though they are written as numbers.
-    if parameter != "seed" and all(map(_is_number, keys)):
-        strength = float(np.corrcoef(_ranks(np.array(keys, dtype=float)), _ranks(values))[0, 1])
-        return Sensitivity(figure, parameter, strength, ranked=True)
-    return Sensitivity(figure, parameter, _between(keys, values), ranked=False)
+    if parameter == "seed" or not all(map(_is_number, keys)):
+        return groups
+    strength = float(np.corrcoef(_ranks(np.array(keys, dtype=float)), _ranks(values))[0, 1])
+    ranked = Sensitivity(figure, parameter, strength, ranked=True)
+    # What rises and falls again has no rank correlation; groups of a few runs would follow anything.
+    in_groups = len(keys) >= TOGETHER * len(set(keys))
+    return groups if in_groups and groups.strength > abs(strength) + CLEARLY else ranked
 
 
-def _between(keys: Sequence[Any], values: NDArray[np.float64]) -> float:
+def _ratio(keys: Sequence[Any], values: NDArray[np.float64]) -> float:
     groups: dict[str, list[float]] = {}
     for key, value in zip(keys, values, strict=True):
         groups.setdefault(repr(key), []).append(float(value))
     mean = float(values.mean())
     between = sum(len(group) * (sum(group) / len(group) - mean) ** 2 for group in groups.values())
-    return between / float(((values - mean) ** 2).sum())
+    return math.sqrt(between / float(((values - mean) ** 2).sum()))
 
 
 def _ranks(values: NDArray[np.float64]) -> NDArray[np.float64]:

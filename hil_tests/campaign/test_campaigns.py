@@ -59,6 +59,7 @@ def test_a_row_has_the_key_the_numbers_and_no_clock(reference: tuple[Path, bytes
     assert "floors and loads" in (reference[0] / "one" / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.long(keeps=["2"])
 @pytest.mark.parametrize("jobs", [2, 4])
 def test_the_results_are_the_same_for_any_number_of_processes(
     jobs: int, reference: tuple[Path, bytes], tmp_path: Path
@@ -224,7 +225,9 @@ def dask(*words: str) -> Iterator[subprocess.Popen[bytes]]:
 
 @pytest.mark.long(beside="test_the_results_are_the_same_for_any_number_of_processes")
 def test_a_local_cluster_gives_the_same_results(reference: tuple[Path, bytes], tmp_path: Path) -> None:
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1") as local:  # type: ignore[no-untyped-call] # Dask's
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0", host="127.0.0.1"
+    ) as local:  # type: ignore[no-untyped-call] # Dask's
         assert driven(made(reference[0]), tmp_path, scheduler=local.scheduler_address) == reference[1]
 
 
@@ -234,9 +237,27 @@ def test_two_workers_over_tcp_give_the_same_results_though_one_is_killed(
 ) -> None:
     place = tmp_path / "scheduler.json"
     loopback = ("--host", "127.0.0.1")
-    worker = ("dask_worker", "--scheduler-file", str(place), "--nthreads", "1", "--no-dashboard", *loopback)
+    worker = (
+        "dask_worker",
+        "--scheduler-file",
+        str(place),
+        "--nthreads",
+        "1",
+        "--dashboard-address",
+        "127.0.0.1:0",
+        *loopback,
+    )
     with (
-        dask("dask_scheduler", "--scheduler-file", str(place), "--port", "0", "--no-dashboard", *loopback),
+        dask(
+            "dask_scheduler",
+            "--scheduler-file",
+            str(place),
+            "--port",
+            "0",
+            "--dashboard-address",
+            "127.0.0.1:0",
+            *loopback,
+        ),
         dask(*worker, "--no-nanny") as first,
         dask(*worker, "--no-nanny"),
     ):

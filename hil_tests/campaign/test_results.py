@@ -59,6 +59,22 @@ def test_a_number_that_follows_a_parameter_has_rank_correlation_one() -> None:
     assert by["seed"].strength == pytest.approx(0.0, abs=1e-12)
 
 
+def test_a_number_that_rises_and_falls_again_is_found_by_groups() -> None:
+    valley = [
+        row(place, mu, seed, mu**2)
+        for place, (mu, seed) in enumerate((m / 10, s) for m in (-2, 0, 2) for s in range(3))
+    ]
+    (by,) = [one for one in sensitivities(valley) if one.parameter == "mu"]
+    assert not by.ranked
+    assert by.strength == pytest.approx(1.0)
+
+
+def test_draws_that_are_all_different_are_no_groups() -> None:
+    draws = [row(place, place / 10, 0, math.sin(7.0 * place)) for place in range(12)]
+    (by,) = [one for one in sensitivities(draws) if one.parameter == "mu"]
+    assert by.ranked
+
+
 def test_few_runs_state_no_dependence() -> None:
     assert sensitivities(ROWS[:3]) == []
 
