@@ -1,5 +1,7 @@
 """Work spread over a Dask cluster; the same results as by processes of this machine."""
 
+import re
+import socket
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Final, TypeVar
 
@@ -10,6 +12,7 @@ R = TypeVar("R")
 
 AHEAD: Final = 3
 PATIENCE_S: Final = 10.0
+_PLACE: Final = re.compile(r"(?:tcp|tls)://(?P<host>[^/]+):(?P<port>\d+)")
 
 
 class ClusterError(Exception):
@@ -28,12 +31,8 @@ def on_cluster(scheduler: str, work: Callable[[T], R], items: Sequence[T]) -> It
     # Dask's own functions carry no types.
     dask: Any = distributed
 
-    try:
-        client = dask.Client(scheduler, timeout=PATIENCE_S, set_as_default=False)
-    except (OSError, ValueError) as error:
-        raise ClusterError(
-            f"--scheduler {scheduler}: nothing answers there within {PATIENCE_S:g} s: {error}"
-        ) from error
+    _answers(scheduler)
+    client = dask.Client(scheduler, timeout=PATIENCE_S, set_as_default=False)
     with client:
         cores = sum(client.ncores().values())
         if not cores:
@@ -58,3 +57,16 @@ def on_cluster(scheduler: str, work: Callable[[T], R], items: Sequence[T]) -> It
             if (another := submitted()) is not None:
                 done.add(another)
             yield places.pop(future.key), result
+
+
+def _answers(scheduler: str) -> None:
+    """Try the scheduler's port; ClusterError. Dask's own client goes on trying when it has given up."""
+    place = _PLACE.fullmatch(scheduler)
+    if place is None:
+        raise ClusterError(f"--scheduler '{scheduler}': it is written as tcp://HOST:PORT")
+    try:
+        socket.create_connection((place["host"].strip("[]"), int(place["port"])), PATIENCE_S).close()
+    except (OSError, OverflowError) as error:
+        raise ClusterError(
+            f"--scheduler {scheduler}: nothing answers there ({error}); start one: dask scheduler"
+        ) from error

@@ -114,9 +114,13 @@ def _driven(plan: "Plan", settings: "Settings") -> "list[Row]":
     from emulators.campaign.engine import campaign
     from emulators.progress_bar import counting_bar
 
-    with counting_bar() as bar:
-        task = bar.add_task(f"{len(plan.runs)} runs", total=len(plan.runs))
-        return campaign(plan, settings, lambda _: bar.advance(task))
+    try:
+        with counting_bar() as bar:
+            task = bar.add_task(f"{len(plan.runs)} runs", total=len(plan.runs))
+            return campaign(plan, settings, lambda _: bar.advance(task))
+    except KeyboardInterrupt:
+        say(f"interrupted; what was driven is in {settings.out}/, and the same line goes on there", err=True)
+        raise
 
 
 def _searched(plan: "Plan", settings: "Settings", given: CampaignOptions) -> "list[Row]":

@@ -16,7 +16,6 @@ from pyarrow import parquet  # type: ignore[import-untyped]
 
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.mission import load as load_mission
-from emulators.campaign import cluster
 from emulators.campaign.campaign_file import load
 from emulators.campaign.cluster import ClusterError
 from emulators.campaign.engine import Settings, campaign, drive_alone
@@ -88,6 +87,19 @@ def test_a_campaign_that_is_killed_goes_on_where_it_was(
     assert "12 runs, 0 failed" in again.stdout
     before = kept[: kept.rfind(b"\n") + 1].splitlines()
     assert journal.read_bytes().splitlines()[: len(before)] == before, "what was driven is driven again"
+
+
+def test_ctrl_c_ends_it_with_one_line(reference: tuple[Path, bytes], tmp_path: Path) -> None:
+    line = [PROGRAM, "campaign", str(reference[0] / "floors.toml"), "--out", str(tmp_path), "--jobs", "2"]
+    journal = tmp_path / NAME
+    begun = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while not journal.exists() or journal.read_bytes().count(b"\n") < 2:
+        assert begun.poll() is None, begun.communicate()[1]
+        os.sched_yield()
+    begun.send_signal(signal.SIGINT)
+    _, errors = begun.communicate()
+    assert begun.returncode == 130
+    assert errors == f"interrupted; what was driven is in {tmp_path}/, and the same line goes on there\n"
 
 
 def test_another_campaign_in_the_folder_is_refused(reference: tuple[Path, bytes]) -> None:
@@ -279,9 +291,16 @@ def test_two_workers_over_tcp_give_the_same_results_though_one_is_killed(
     assert (tmp_path / "results.csv").read_bytes() == reference[1]
 
 
+@pytest.mark.parametrize(
+    ("scheduler", "message"),
+    [
+        ("tcp://127.0.0.1:1", r"--scheduler tcp://127.0.0.1:1: nothing answers there .*; start one: dask"),
+        ("127.0.0.1:8786", r"--scheduler '127.0.0.1:8786': it is written as tcp://HOST:PORT"),
+        ("tcp://127.0.0.1:99999", "nothing answers there"),
+    ],
+)
 def test_a_scheduler_that_is_not_there_is_one_line(
-    reference: tuple[Path, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    scheduler: str, message: str, reference: tuple[Path, bytes], tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(cluster, "PATIENCE_S", 0.5)
-    with pytest.raises(ClusterError, match=r"--scheduler tcp://127.0.0.1:1: nothing answers there"):
-        driven(made(reference[0]), tmp_path, scheduler="tcp://127.0.0.1:1")
+    with pytest.raises(ClusterError, match=message):
+        driven(made(reference[0]), tmp_path, scheduler=scheduler)
