@@ -3,7 +3,7 @@
 import re
 import socket
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, Final, TypeVar
+from typing import Any, Final, Self, TypeVar
 
 from firmware_bridge.extras import from_extras
 
@@ -19,26 +19,37 @@ class ClusterError(Exception):
     """A cluster that cannot be used; one line."""
 
 
-def on_cluster(scheduler: str, work: Callable[[T], R], items: Sequence[T]) -> Iterator[tuple[int, R]]:
-    """Yield each item's place and result, as they come, from the workers of a scheduler at tcp://HOST:PORT.
+class Cluster:
+    """The workers of a scheduler; use it in a `with`.
 
-    Dask gives the items of a worker that is gone to the others. ClusterError where nothing answers, or no
-    worker is there; ExtraMissingError without the extra `cluster`.
+    ClusterError where nothing answers, or no worker is there; ExtraMissingError without the extra `cluster`.
     """
-    with from_extras():
-        import distributed  # noqa: PLC0415 - an extra
 
-    # Dask's own functions carry no types.
-    dask: Any = distributed
+    def __init__(self, scheduler: str) -> None:
+        with from_extras():
+            import distributed  # noqa: PLC0415 - an extra
 
-    _answers(scheduler)
-    client = dask.Client(scheduler, timeout=PATIENCE_S, set_as_default=False)
-    with client:
-        cores = sum(client.ncores().values())
+        # Dask's own functions carry no types.
+        self._dask: Any = distributed
+        _answers(scheduler)
+        self._scheduler = scheduler
+        self._client = self._dask.Client(scheduler, timeout=PATIENCE_S, set_as_default=False)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._client.close()
+
+    def results(self, work: Callable[[T], R], items: Sequence[T]) -> Iterator[tuple[int, R]]:
+        """Yield each item's place and result, as they come; Dask gives those of a lost worker to the others.
+
+        ClusterError where no worker is there, or one cannot do the work.
+        """
+        cores = sum(self._client.ncores().values())
         if not cores:
-            raise ClusterError(
-                f"--scheduler {scheduler}: it has no workers; start some: dask worker {scheduler}"
-            )
+            lacks = f"it has no workers; start some: dask worker {self._scheduler}"
+            raise ClusterError(f"--scheduler {self._scheduler}: {lacks}")
         waiting = iter(enumerate(items))
         places: dict[Any, int] = {}
 
@@ -46,14 +57,19 @@ def on_cluster(scheduler: str, work: Callable[[T], R], items: Sequence[T]) -> It
             item = next(waiting, None)
             if item is None:
                 return None
-            future = client.submit(work, item[1], pure=False)
+            future = self._client.submit(work, item[1], pure=False)
             places[future.key] = item[0]
             return future
 
         first = [future for _ in range(cores * AHEAD) if (future := submitted()) is not None]
-        done = dask.as_completed(first, loop=client.loop)
+        done = self._dask.as_completed(first, loop=self._client.loop)
         for future in done:
-            result: R = future.result()
+            try:
+                result: R = future.result()
+            except Exception as error:
+                # The work itself ends in no error: a worker without the program, or one killed too often.
+                problem = f"a worker failed: {type(error).__name__}: {error}"
+                raise ClusterError(f"--scheduler {self._scheduler}: {problem}") from error
             if (another := submitted()) is not None:
                 done.add(another)
             yield places.pop(future.key), result

@@ -1,5 +1,6 @@
 """Drive a campaign: what is left of it, on processes or on a cluster, and its results in one folder."""
 
+import shutil
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -7,18 +8,19 @@ from pathlib import Path
 from typing import Final
 
 from emulators.campaign.campaign_file import Require
-from emulators.campaign.cluster import on_cluster
+from emulators.campaign.cluster import Cluster
 from emulators.campaign.journal import NAME, Journal
 from emulators.campaign.page import page, rerun
 from emulators.campaign.plan import Plan, Run, order_of, texts_of
 from emulators.campaign.results import ERROR, Row, as_csv, write_parquet
 from emulators.campaign.search import Search, search
 from emulators.campaign.shrink import shrunk
-from emulators.campaign.spread import in_order, spread
+from emulators.campaign.spread import Processes, in_order
 from emulators.campaign.worker import drive
 from emulators.run import drive as drive_recorded
 
 KEPT: Final = 5
+FAILURES: Final = "failures"
 Progress = Callable[[Row], None]
 
 
@@ -45,12 +47,13 @@ def campaign(plan: Plan, settings: Settings, progress: Progress = lambda _: None
     """
     if settings.fresh:
         (settings.out / NAME).unlink(missing_ok=True)
-    with Journal(settings.out, plan) as journal:
+        shutil.rmtree(settings.out / FAILURES, ignore_errors=True)
+    with Journal(settings.out, plan) as journal, _workers(settings) as workers:
         left = [run for run in plan.runs if run.number not in journal.rows]
         work = partial(drive, require=plan.campaign.require)
         for row in journal.rows.values():
             progress(row)
-        for _, row in _results(settings, work, left):
+        for _, row in workers.results(work, left):
             journal.add(row)
             progress(row)
         rows = [journal.rows[number] for number in sorted(journal.rows)]
@@ -68,9 +71,10 @@ def searched(
     settings.out.mkdir(parents=True, exist_ok=True)
     work = partial(drive, require=plan.campaign.require)
     rows = []
-    for row in search(plan, wanted, lambda batch: _by_place(_results(settings, work, batch))):
-        rows.append(row)
-        progress(row)
+    with _workers(settings) as workers:
+        for row in search(plan, wanted, lambda batch: _by_place(workers.results(work, batch))):
+            rows.append(row)
+            progress(row)
     (settings.out / "results.csv").write_text(as_csv(rows), encoding="utf-8")
     return rows
 
@@ -87,12 +91,8 @@ def drive_alone(plan: Plan, number: int, out: Path) -> Row:
     return drive(run, plan.campaign.require)
 
 
-def _results(
-    settings: Settings, work: Callable[[Run], Row], runs: Sequence[Run]
-) -> Iterator[tuple[int, Row]]:
-    if settings.scheduler:
-        return on_cluster(settings.scheduler, work, runs)
-    return spread(work, runs, settings.jobs)
+def _workers(settings: Settings) -> Processes | Cluster:
+    return Cluster(settings.scheduler) if settings.scheduler else Processes(settings.jobs)
 
 
 def _by_place(results: Iterator[tuple[int, Row]]) -> list[Row]:
@@ -114,7 +114,7 @@ def _leave(plan: Plan, rows: Sequence[Row], settings: Settings) -> None:
 def _keep(require: Sequence[Require], out: Path, failing: tuple[Run, Row]) -> None:
     """Leave a failing run's recording, its files, and a smaller mission that fails as it does."""
     run, row = failing
-    folder = out / "failures" / f"{run.number:06d}"
+    folder = out / FAILURES / f"{run.number:06d}"
     if (folder / "smaller.toml").exists():
         return
     folder.mkdir(parents=True, exist_ok=True)

@@ -38,8 +38,7 @@ def search(plan: Plan, wanted: Search, drive: Drive) -> Iterator[Row]:
     """Yield the rows of the runs that the search drives, batch by batch, in their order.
 
     Each case and seed of the campaign is a choice beside its parameters. A run in which the number has no
-    value counts as the worst there is. SearchError where nothing is varied; ExtraMissingError without the
-    extra `search`.
+    value is left out. SearchError where nothing is varied; ExtraMissingError without the extra `search`.
     """
     with from_extras():
         import optuna  # noqa: PLC0415 - an extra

@@ -8,6 +8,7 @@ from typing import Any, Final
 from emulators.bench.toml_text import as_toml
 from emulators.campaign.campaign_file import Require
 from emulators.campaign.plan import Run, texts_of
+from emulators.campaign.results import ERROR
 from emulators.campaign.worker import drive
 
 MOST: Final = 40
@@ -24,7 +25,9 @@ def shrunk(run: Run, require: Sequence[Require], broken: Mapping[int, str]) -> R
     def still(table: Table) -> bool:
         nonlocal left
         left -= 1
-        return wanted in drive(_with(run, table), require).broken
+        now = drive(_with(run, table), require).broken.get(wanted)
+        # A smaller mission must end in the same error, not in one of its own.
+        return now is not None and (wanted != ERROR or _kind(now) == _kind(broken[ERROR]))
 
     robot, mission = texts_of(run)
     run = replace(run, case=replace(run.case, robot_text=robot, faults=()), values={})
@@ -40,6 +43,10 @@ def shrunk(run: Run, require: Sequence[Require], broken: Mapping[int, str]) -> R
                     table, changed = candidate, True
                     break
     return _with(run, table)
+
+
+def _kind(error: str) -> str:
+    return error.partition(":")[0]
 
 
 def _with(run: Run, table: Table) -> Run:

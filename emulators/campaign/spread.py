@@ -3,12 +3,13 @@
 import os
 import signal
 import threading
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context, parent_process
 from multiprocessing.process import BaseProcess
-from typing import Final, TypeVar
+from typing import Final, Self, TypeVar
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -23,33 +24,59 @@ class SpreadError(Exception):
     """An item whose process dies again and again."""
 
 
+class Processes:
+    """Processes that take work until they are left; use it in a `with`. None where one job is enough."""
+
+    def __init__(self, jobs: int) -> None:
+        self._jobs = jobs
+        self._pool: ProcessPoolExecutor | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._pool is not None:
+            # Who stops in the middle waits for what runs, and for nothing behind it.
+            self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def results(self, work: Callable[[T], R], items: Sequence[T]) -> Iterator[tuple[int, R]]:
+        """Yield each item's place and result, as they come; see `spread`."""
+        if self._jobs <= 1:
+            yield from ((place, work(item)) for place, item in enumerate(items))
+            return
+        left, deaths = dict(enumerate(items)), Counter[int]()
+        while left:
+            pool = self._started()
+            try:
+                for place, result in _through(pool, work, left, self._jobs * AHEAD):
+                    del left[place]
+                    yield place, result
+            except _DiedError as died:
+                pool.shutdown(wait=False)
+                self._pool = None
+                # One that dies before it has an item counts for the first that waits.
+                deaths.update(died.places or (next(iter(left)),))
+                worst, count = deaths.most_common(1)[0]
+                if count >= TRIES:
+                    raise SpreadError(
+                        f"item {worst}: its process has died {TRIES} times; is there memory left?"
+                    ) from None
+
+    def _started(self) -> ProcessPoolExecutor:
+        if self._pool is None:
+            # Forks would share what a plant's library keeps; a new process has its own.
+            self._pool = ProcessPoolExecutor(self._jobs, mp_context=get_context("spawn"), initializer=_begins)
+        return self._pool
+
+
 def spread(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Iterator[tuple[int, R]]:
     """Yield each item's place and result, as they come.
 
     `work` is a function that can be sent to a process; what it raises is raised here. SpreadError where a
     process has died `TRIES` times around an item.
     """
-    if jobs <= 1 or len(items) <= 1:
-        yield from ((place, work(item)) for place, item in enumerate(items))
-        return
-    left, deaths = dict(enumerate(items)), dict.fromkeys(range(len(items)), 0)
-    while left:
-        with _processes(min(jobs, len(left))) as pool:
-            try:
-                for place, result in _through(pool, work, left, jobs * AHEAD):
-                    del left[place]
-                    yield place, result
-            except _DiedError as died:
-                for place in died.places:
-                    deaths[place] += 1
-                    if deaths[place] >= TRIES:
-                        raise SpreadError(
-                            f"item {place}: its process has died {TRIES} times; is there memory left?"
-                        ) from None
-            except BaseException:
-                # Who stops in the middle waits for what runs, and for nothing behind it.
-                pool.shutdown(wait=False, cancel_futures=True)
-                raise
+    with Processes(min(jobs, len(items))) as processes:
+        yield from processes.results(work, items)
 
 
 def in_order(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Iterator[R]:
@@ -67,11 +94,6 @@ class _DiedError(Exception):
     def __init__(self, places: Sequence[int]) -> None:
         super().__init__(places)
         self.places = places
-
-
-def _processes(jobs: int) -> ProcessPoolExecutor:
-    # Forks would share what a plant's library keeps; a new process has its own.
-    return ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_begins)
 
 
 def _begins() -> None:

@@ -21,6 +21,7 @@ from emulators.campaign.cluster import ClusterError
 from emulators.campaign.engine import Settings, campaign, drive_alone
 from emulators.campaign.journal import NAME, JournalError
 from emulators.campaign.plan import Plan, plan
+from emulators.campaign.results import ERROR
 from emulators.run import RunOrder, measure
 from firmware_bridge.campaign import run as run_campaign
 from firmware_bridge.robot_types import find
@@ -164,7 +165,24 @@ def test_a_run_that_ends_in_an_error_is_a_row_and_ends_nothing_else(tmp_path: Pa
     of = made(tmp_path, parameter=[{"path": "plant.gear_left", "values": [-1.0, 26.0]}], seeds=1)
     rows = campaign(of, Settings(out=tmp_path / "out"))
     assert [bool(row.broken) for row in rows] == [True, False]
-    assert "gear_left" in rows[0].broken[-1]
+    assert "gear_left" in rows[0].broken[ERROR]
+    # Steps and time are left out as long as the plant refuses, and not until the mission is none.
+    folder = tmp_path / "out" / "failures" / "000000"
+    robot = find(str(folder / "robot.toml"))
+    smaller = load_mission(folder / "smaller.toml", robot, bench_setup_of(robot))
+    assert smaller.plant == {"gear_left": -1.0}
+    assert len(smaller.step) == 1
+
+
+def test_driven_afresh_nothing_of_before_is_left(failing: tuple[Path, Plan]) -> None:
+    out, of = failing
+    mark = out / "failures" / "000001" / "mark"
+    mark.touch()
+    campaign(of, Settings(out=out))
+    assert mark.exists()
+    campaign(of, Settings(out=out, fresh=True))
+    assert not mark.exists()
+    assert (mark.parent / "smaller.toml").exists()
 
 
 def test_from_a_program_a_table_gives_its_rows(

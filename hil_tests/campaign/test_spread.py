@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from emulators.campaign.spread import TRIES, SpreadError, in_order, spread
+from emulators.campaign.spread import TRIES, Processes, SpreadError, in_order, spread
 
 
 def squared(number: int) -> int:
@@ -52,6 +52,16 @@ def test_nothing_is_lost_or_done_twice_as_a_process_dies(tmp_path: Path) -> None
 def test_an_item_that_kills_every_process_ends_it_with_a_message() -> None:
     with pytest.raises(SpreadError, match=f"its process has died {TRIES} times"):
         list(spread(dies, list(range(8)), 2))
+
+
+def test_processes_take_work_again_and_again() -> None:
+    with Processes(2) as processes:
+        first = {dict(processes.results(process_of, range(4)))[0] for _ in range(5)}
+    assert len(first) <= 2
+
+
+def process_of(_: int) -> int:
+    return os.getpid()
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
