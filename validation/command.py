@@ -1,7 +1,6 @@
 """`study`: a source's figures and numbers, made again, at the command line."""
 
 import importlib
-import os
 from functools import partial
 from pathlib import Path
 from types import ModuleType
@@ -9,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from emulators.cli.options import CORES, JobsOption
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
 
@@ -49,9 +49,7 @@ def study(
             "--out", "-o", metavar="DIR", help="Where tables and pictures go.", show_default="nowhere"
         ),
     ] = None,
-    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, help="Number of processes for `all`.")] = (
-        os.cpu_count() or 1
-    ),
+    jobs: JobsOption = CORES,
 ) -> None:
     """Reproduce a source's figures and numbers: printed, independent, ours, and why they differ.
 

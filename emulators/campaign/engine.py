@@ -7,20 +7,23 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
+from emulators.bench.summary import Summary
 from emulators.campaign.campaign_file import Require
 from emulators.campaign.cluster import Cluster
 from emulators.campaign.journal import NAME, Journal
 from emulators.campaign.page import page, rerun
 from emulators.campaign.plan import Plan, Run, order_of, texts_of
 from emulators.campaign.results import ERROR, Row, as_csv, write_parquet
-from emulators.campaign.search import Search, search
+from emulators.campaign.search import Search, best, search
 from emulators.campaign.shrink import shrunk
 from emulators.campaign.spread import Processes, in_order
 from emulators.campaign.worker import drive
+from emulators.run import RunOrder
 from emulators.run import drive as drive_recorded
 
 KEPT: Final = 5
 FAILURES: Final = "failures"
+WORST: Final = "worst"
 Progress = Callable[[Row], None]
 
 
@@ -66,16 +69,25 @@ def searched(
 ) -> list[Row]:
     """Look for the worst case of a campaign; return the rows that were driven, and leave their results.
 
-    Raises as `campaign` does, and SearchError.
+    The robot file and the mission file of the worst are in `out`/worst. Raises as `campaign` does, and
+    SearchError.
     """
     settings.out.mkdir(parents=True, exist_ok=True)
     work = partial(drive, require=plan.campaign.require)
-    rows = []
+    rows, runs = [], list[Run]()
     with _workers(settings) as workers:
-        for row in search(plan, wanted, lambda batch: _by_place(workers.results(work, batch))):
+
+        def driven(batch: Sequence[Run]) -> list[Row]:
+            runs.extend(batch)
+            return _by_place(workers.results(work, batch))
+
+        for row in search(plan, wanted, driven):
             rows.append(row)
             progress(row)
     (settings.out / "results.csv").write_text(as_csv(rows), encoding="utf-8")
+    if (worst := best(rows, wanted)) is not None:
+        (settings.out / WORST).mkdir(exist_ok=True)
+        _write_texts(runs[worst.run], settings.out / WORST)
     return rows
 
 
@@ -86,9 +98,14 @@ def drive_alone(plan: Plan, number: int, out: Path) -> Row:
         raise LookupError(f"--only {number}: the campaign has the runs 0 to {len(runs) - 1}")
     run = runs[number]
     folder = out / f"run-{number:06d}"
-    drive_recorded(order_of(run, folder, rerun(plan, number, str(out))), lambda _: None)
+    folder.mkdir(parents=True, exist_ok=True)
     _write_texts(run, folder)
-    return drive(run, plan.campaign.require)
+    order = partial(order_of, folder=folder, again=rerun(plan, number, str(out)))
+    return drive(run, plan.campaign.require, order, _recorded)
+
+
+def _recorded(order: RunOrder) -> Summary:
+    return drive_recorded(order, lambda _: None)
 
 
 def _workers(settings: Settings) -> Processes | Cluster:
@@ -121,7 +138,7 @@ def _keep(require: Sequence[Require], out: Path, failing: tuple[Run, Row]) -> No
     _write_texts(run, folder)
     # A run that ended in an error may end before it leaves anything: its files are enough.
     if ERROR not in row.broken:
-        drive_recorded(order_of(run, folder), lambda _: None)
+        _recorded(order_of(run, folder))
     smaller = shrunk(run, require, row.broken)
     over = f" on the protocol '{run.case.protocol}'" if run.case.protocol else ""
     line = f"firmware-bridge bench robot.toml --mission smaller.toml --seed {run.seed}"

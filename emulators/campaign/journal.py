@@ -54,7 +54,8 @@ class Journal:
         text = self._path.read_bytes()
         # A line without its end was being written when the process was killed.
         whole = text[: text.rfind(b"\n") + 1]
-        lines = whole.decode("utf-8").splitlines()
+        # Not by every sign that ends a line for Python: an error's text may hold one.
+        lines = whole.decode("utf-8").split("\n")[:-1]
         if lines and lines[0] != self._head:
             problem = "has another campaign's runs: choose another --out, or drive all again with --fresh"
             raise JournalError(str(self._path), Problem("", problem))

@@ -126,7 +126,8 @@ def _mission_text(run: Run) -> str:
     if changes := _of(run, "plant"):
         table["plant"] = {**table.get("plant", {}), **changes}
     if link := _of(run, "link"):
-        stated = dict(part.split("=", 1) for part in table.get("link", "").split(",") if part)
+        parts = (part.partition("=") for part in table.get("link", "").split(",") if part.strip())
+        stated = {key.strip(): value.strip() for key, _, value in parts}
         table["link"] = ",".join(f"{key}={value}" for key, value in {**stated, **link}.items())
     if run.case.faults:
         table["fault"] = [*table.get("fault", []), *map(dict, run.case.faults)]

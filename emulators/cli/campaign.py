@@ -1,12 +1,12 @@
 """`campaign`: many runs of missions, at the command line."""
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from emulators.cli.options import CORES, JobsOption
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
 
@@ -44,9 +44,7 @@ class CampaignOptions:
         Path | None,
         typer.Option("--out", "-o", metavar="DIR", help="Folder of the results.", show_default="out/FILE"),
     ] = None
-    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, help="Number of processes.")] = (
-        os.cpu_count() or 1
-    )
+    jobs: JobsOption = CORES
     scheduler: Annotated[
         str, typer.Option(metavar="tcp://HOST:PORT", help="Drive on the workers of this Dask scheduler.")
     ] = ""
@@ -124,7 +122,7 @@ def _driven(plan: "Plan", settings: "Settings") -> "list[Row]":
 
 
 def _searched(plan: "Plan", settings: "Settings", given: CampaignOptions) -> "list[Row]":
-    from emulators.campaign.engine import searched
+    from emulators.campaign.engine import WORST, searched
     from emulators.campaign.search import Search, best
     from emulators.progress_bar import counting_bar
 
@@ -145,6 +143,10 @@ def _searched(plan: "Plan", settings: "Settings", given: CampaignOptions) -> "li
     most = "largest" if wanted.largest else "smallest"
     say(f"{most} {wanted.key}: {worst.figures[wanted.key]}, run {worst.run}")
     say(f"  {values}")
+    folder, seed = settings.out / WORST, worst.key["seed"]
+    over = f", over the protocol {worst.key['protocol']}" if worst.key["protocol"] else ""
+    line = f"firmware-bridge bench {folder}/robot.toml --mission {folder}/mission.toml --seed {seed}"
+    say(f"  again{over}: {line}")
     return rows
 
 

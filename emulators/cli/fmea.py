@@ -1,6 +1,5 @@
 """`fmea`: every failure in every state of a robot, at the command line."""
 
-import os
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from emulators.cli.options import CORES, JobsOption
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
 from firmware_bridge.cli.options import EncodersOption, FirmwareOption, RobotArgument
@@ -52,9 +52,7 @@ class FmeaOptions:
         Path | None,
         typer.Option("--out", "-o", metavar="DIR", help="Folder of the matrix.", show_default="nowhere"),
     ] = None
-    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, help="Number of processes.")] = (
-        os.cpu_count() or 1
-    )
+    jobs: JobsOption = CORES
     serial: Annotated[
         str | None,
         typer.Option(

@@ -1,7 +1,8 @@
 """Options that more than one of the simulation's commands takes."""
 
+import os
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
@@ -50,6 +51,9 @@ SerialOption = Annotated[
         show_default="by the robot file",
     ),
 ]
+JobsOption = Annotated[int, typer.Option("--jobs", "-j", min=1, help="Number of processes.")]
+CORES: Final = os.cpu_count() or 1
+"""As many processes as this machine has processors."""
 ParametersOption = Annotated[
     Path | None,
     typer.Option(

@@ -8,7 +8,7 @@ import pytest
 from emulators.bench.toml_text import as_toml
 from emulators.campaign.campaign_file import CampaignError, load, parse
 from emulators.campaign.plan import order_of, plan, texts_of
-from hil_tests.campaign.campaigns import CAMPAIGN, written
+from hil_tests.campaign.campaigns import CAMPAIGN, MISSION, written
 
 DELAY = {"path": "link.delay", "least": 0.0, "most": 0.4}
 
@@ -114,6 +114,16 @@ def test_the_values_reach_robot_mission_plant_and_link(tmp_path: Path) -> None:
     robot, mission = texts_of(run)
     assert "top_speed = 15.0" in robot
     assert "node_silent" in mission
+
+
+def test_a_condition_of_the_mission_s_own_link_is_replaced(tmp_path: Path) -> None:
+    file = written(tmp_path, parameter=[{"path": "link.jitter", "values": [0.03]}], seeds=1)
+    (tmp_path / "short.toml").write_text(
+        as_toml(MISSION | {"link": "delay=0.2, jitter=0.01"}), encoding="utf-8"
+    )
+    (run,) = plan(load(file), "floors.toml", tmp_path).runs
+    conditions = order_of(run).mission.conditions
+    assert (conditions.up.delay, conditions.up.jitter) == (100_000_000, 30_000_000)
 
 
 def test_every_failure_of_a_robot_is_a_run(tmp_path: Path) -> None:

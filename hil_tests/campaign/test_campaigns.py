@@ -170,6 +170,8 @@ def test_a_run_that_ends_in_an_error_is_a_row_and_ends_nothing_else(tmp_path: Pa
     rows = campaign(of, Settings(out=tmp_path / "out"))
     assert [bool(row.broken) for row in rows] == [True, False]
     assert "gear_left" in rows[0].broken[ERROR]
+    # Driven again alone it is a row, too, and no traceback.
+    assert drive_alone(of, 0, tmp_path / "out").broken == rows[0].broken
     # Steps and time are left out as long as the plant refuses, and not until the mission is none.
     folder = tmp_path / "out" / "failures" / "000000"
     robot = find(str(folder / "robot.toml"))
@@ -230,6 +232,9 @@ def test_the_command_searches_and_names_the_worst(tmp_path: Path) -> None:
     ended = subprocess.run([*line, "--jobs", "1"], check=True, capture_output=True, text=True)
     assert "largest max_speed_mps: 0." in ended.stdout
     assert "mission.step[2].speed_mps = 0." in ended.stdout
+    again = ended.stdout.partition("again: ")[2].splitlines()[0].split()
+    assert again[:2] == ["firmware-bridge", "bench"]
+    subprocess.run([PROGRAM, *again[1:], "--check"], check=True, capture_output=True)
     assert len((tmp_path / "out" / "results.csv").read_text(encoding="utf-8").splitlines()) == 6
     line[line.index("max_speed_mps")] = "max_sped"
     wrong = subprocess.run([*line, "--jobs", "1"], check=False, capture_output=True, text=True)
@@ -310,6 +315,7 @@ def test_two_workers_over_tcp_give_the_same_results_though_one_is_killed(
                 killed.append(True)
 
         campaign(made(reference[0]), Settings(out=tmp_path, scheduler=address), kill_one)
+        assert first.wait() == -signal.SIGKILL
     assert (tmp_path / "results.csv").read_bytes() == reference[1]
 
 

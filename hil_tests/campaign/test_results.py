@@ -2,11 +2,14 @@
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from emulators.campaign.campaign_file import Require
+from emulators.campaign.campaign_file import Require, parse
+from emulators.campaign.journal import Journal
+from emulators.campaign.plan import Plan
 from emulators.campaign.results import Row, as_csv, as_json, broken, columns, of_json
 from emulators.campaign.sensitivity import sensitivities, varied_figures, varied_keys
 
@@ -82,6 +85,14 @@ def test_few_runs_state_no_dependence() -> None:
 def test_a_row_is_the_same_from_its_line() -> None:
     full = Row({"run": 3, "path": "ä"}, {"swing": 0.1 + 0.2, "far": None}, {0: "swing", -1: "error"})
     assert of_json(as_json(full)) == full
+
+
+def test_a_journal_keeps_an_error_s_text_whatever_is_in_it(tmp_path: Path) -> None:
+    of = Plan(parse('robots = ["rars"]\nmissions = ["line"]', "floors.toml"), (), "floors.toml", "0" * 64)
+    torn = Row({"run": 0}, {}, {-1: "PlantError: a\u2028b\x85c\nd"})
+    with Journal(tmp_path, of) as journal:
+        journal.add(torn)
+    assert Journal(tmp_path, of).rows == {0: torn}
 
 
 def test_columns_of_all_rows_are_there_and_failed_is_the_last() -> None:

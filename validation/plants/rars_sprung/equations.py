@@ -27,9 +27,8 @@ class SwayingBody(PlanarBody):
     def velocity(self, ahead: Expression, left: Expression) -> tuple[Expression, Expression]:
         """Return the speed ahead and to the left of a contact."""
         forwards, sideways = super().velocity(ahead, left)
-        return forwards + P["cg_height"] * symbol("pitch_rate"), sideways + P["cg_height"] * symbol(
-            "roll_rate"
-        )
+        height = P["cg_height"]
+        return forwards + height * symbol("pitch_rate"), sideways + height * symbol("roll_rate")
 
 
 class Corner:
@@ -37,11 +36,11 @@ class Corner:
 
     def __init__(self, axle: str, side: str, platform: "SprungPlatform") -> None:
         self.name, body = f"{axle}_{side}", platform.body
-        self._body, self._front = body, axle == "front"
-        self.ahead = P["wheelbase"] if self._front else sp.S.Zero
-        self.left = SIDES[side] * (P["front_track"] if self._front else P["rear_track"]) / 2
+        front = axle == "front"
+        self.ahead = P["wheelbase"] if front else sp.S.Zero
+        self.left = SIDES[side] * P[f"{axle}_track"] / 2
         self._from_centre = self.ahead - P["centre_offset"]
-        radius, height = P["front_radius" if self._front else "wheel_radius"], P[f"step_{side}"]
+        radius, height = P["front_radius" if front else "wheel_radius"], P[f"step_{side}"]
         self._sine, self._cosine = shared(sp.sin(body.heading)), shared(sp.cos(body.heading))
         ahead = self.ahead + P["cg_height"] * symbol("pitch")
         x = symbol("x") + ahead * self._cosine - (self.left + P["cg_height"] * symbol("roll")) * self._sine
@@ -55,7 +54,7 @@ class Corner:
         self.steep = shared(on * reciprocal(root) * passed(self.meets))
         forwards, sideways = body.velocity(self.ahead, self.left)
         self._rising = self.steep * (forwards * self._cosine - sideways * self._sine)
-        self.hangs = sp.S.Zero if self._front else P["wheel_mass"] * P["gravity"] * sp.cos(P["slope"])
+        self.hangs = sp.S.Zero if front else P["wheel_mass"] * P["gravity"] * sp.cos(P["slope"])
 
     def load(self, standing: Expression) -> Expression:
         """Return what it pushes at the floor in N, by its load on the level."""

@@ -10,20 +10,12 @@ from typing import Final
 from fmu.export.model import Parameter
 from fmu.plants import Plant
 from fmu.rars import parameters as base
+from fmu.rars_tipping import parameters as tipping
 
 SPRINGS: Final[tuple[Parameter, ...]] = (
     Parameter("spring_stiffness", 2e4, "N/m", "one wheel's spring", "assumed"),
     Parameter("spring_damping", 400.0, "N.s/m", "one wheel's damper", "assumed"),
-    Parameter("roll_inertia", 1.18, "kg.m2", "platform about its long axis", "[R] Tab. 3.1, element (1,1)"),
-    Parameter("pitch_inertia", 1.28, "kg.m2", "platform across", "[R] Tab. 3.1, element (2,2)"),
-    Parameter(
-        "front_track",
-        0.336,
-        "m",
-        "front contact to front contact",
-        "2 d of [R] 2.3.1, assumed to be the front contacts'",
-        least=0.0,
-    ),
+    *(row for row in tipping.PARAMETERS if row.name in {"roll_inertia", "pitch_inertia", "front_track"}),
 )
 STEP: Final[tuple[Parameter, ...]] = (
     Parameter("edge_x", 1.0, "m", "edge of the step, x of the world", "assumed"),
@@ -53,5 +45,5 @@ PLANT: Final = Plant(
     PARAMETERS,
     SETS,
     base.PLANT.robot_file,
-    made_of=("fmu.rars",),
+    made_of=("fmu.rars", "fmu.rars_tipping"),
 )
