@@ -3,8 +3,9 @@
     rows = run("floors.toml")
     rows = run({"robots": ["rars"], "missions": ["line"], "seeds": 10}, out="out/seeds", jobs=4)
 
-Each row is a dict: what the run is of, the numbers of its summary, and `failed`, empty where it held to every
-requirement. `pandas.DataFrame(rows)` is a table of them.
+A script calls it below `if __name__ == "__main__":`, as each of its processes reads the script once more; a
+notebook need not. Each row is a dict: what the run is of, the numbers of its summary, and `failed`, empty
+where it held to every requirement. `pandas.DataFrame(rows)` is a table of them.
 """
 
 from collections.abc import Mapping

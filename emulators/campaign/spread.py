@@ -2,11 +2,13 @@
 
 import os
 import signal
+import sys
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from functools import partial
 from multiprocessing import get_context, parent_process
 from multiprocessing.process import BaseProcess
 from typing import Final, Self, TypeVar
@@ -41,6 +43,7 @@ class Processes:
 
     def results(self, work: Callable[[T], R], items: Sequence[T]) -> Iterator[tuple[int, R]]:
         """Yield each item's place and result, as they come; see `spread`."""
+        _can_be_sent(work)
         if self._jobs <= 1:
             yield from ((place, work(item)) for place, item in enumerate(items))
             return
@@ -88,6 +91,14 @@ def in_order(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Iterator[
         while due in early:
             yield early.pop(due)
             due += 1
+
+
+def _can_be_sent(work: Callable[..., object]) -> None:
+    """Raise ValueError for a function of a package's `__main__`: a new process does not import that."""
+    function = work.func if isinstance(work, partial) else work
+    of = getattr(sys.modules["__main__"], "__spec__", None)
+    if function.__module__ == "__main__" and of is not None and of.name.endswith(".__main__"):
+        raise ValueError(f"{function.__qualname__}: move it from {of.name} into a module of its own")
 
 
 class _DiedError(Exception):

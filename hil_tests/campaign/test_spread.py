@@ -70,6 +70,36 @@ def test_what_the_work_raises_is_raised(jobs: int) -> None:
         list(in_order(refuses, range(40), jobs))
 
 
+PACKAGE = """
+from emulators.campaign.spread import in_order
+def work(number): return number
+if __name__ == "__main__":
+    print(list(in_order(work, [1, 2], 1)))
+"""
+
+
+def test_a_function_of_a_package_s_main_is_refused_before_a_process_dies_of_it(tmp_path: Path) -> None:
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "__main__.py").write_text(PACKAGE, encoding="utf-8")
+    ended = subprocess.run(
+        [sys.executable, "-m", "mine"], cwd=tmp_path, check=False, capture_output=True, text=True
+    )
+    assert ended.returncode == 1
+    assert "work: move it from mine.__main__ into a module of its own" in ended.stderr
+
+
+@pytest.mark.long(beside="test_results_come_in_the_order_of_the_items")
+@pytest.mark.parametrize(
+    "line", ["adversary rars --hours 0.001 --jobs 2", "stability usual --count 26 --jobs 2"]
+)
+def test_the_searches_run_in_two_processes(line: str) -> None:
+    words = [sys.executable, "-P", "-m", f"hil_tests.{line.split(maxsplit=1)[0]}", *line.split()[1:]]
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])}
+    ended = subprocess.run(words, check=False, capture_output=True, text=True, env=environment)
+    assert "its process has died" not in ended.stderr
+    assert "0 found" in ended.stdout or "26 of 26: 0 tip with the governor" in ended.stdout, ended.stderr
+
+
 WAITS = """
 import sys, time
 from hil_tests.campaign.test_spread import waits

@@ -9,29 +9,14 @@
 import argparse
 import os
 import sys
-from collections.abc import Iterable
-from functools import cache, partial
+from functools import partial
 
 from emulators.campaign.spread import in_order
-from hil_tests.stability.manoeuvres import LISTS, Driver, drawn, robot
+from hil_tests.stability.manoeuvres import LISTS
+from hil_tests.stability.tipped import tipped
 
 TOGETHER = 25
 """Manoeuvres that one process drives before it reports."""
-
-
-@cache
-def driver(*, governed: bool) -> Driver:
-    """Return this process's driver."""
-    return Driver(robot(governed=governed))
-
-
-def tipped(seeds: Iterable[int], *, hard: bool) -> tuple[list[int], list[int]]:
-    """Return the seeds of what tips with the governor, and without it."""
-    manoeuvres = [drawn(seed, hard=hard) for seed in seeds]
-    with_it, without = (
-        [one.seed for one in manoeuvres if driver(governed=governed).tips(one)] for governed in (True, False)
-    )
-    return with_it, without
 
 
 def main() -> int:
