@@ -86,15 +86,14 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "emulate",
         """Put emulated devices on a real CAN bus or a serial line, in real time.
 
-`emulate FAMILY` emulates devices of one family alone, with its own options: `epos2` drives, `cia402` plain
-servos, `motor_shield`, or `board`, an Arduino with a motor shield, `ar2` the board of an arm, `imu` an
-inertial sensor, `motion_capture`, or `capture`, cameras. `emulate ROBOT` emulates the devices and the plant
-of a robot; the word `robot` in front of the robot's name may be left out.""",
-        """Examples:
-
-`firmware-bridge emulate rars -i socketcan -c vcan0`
-
-`firmware-bridge emulate epos2 --node 1-2 -i socketcan -c vcan0` emulates two drives without a robot.""",
+emulate FAMILY emulates devices of one family alone, with its own options: 'epos2' drives, 'cia402' plain
+servos, 'motor_shield', or 'board', an Arduino with a motor shield, 'ar2' the board of an arm, 'imu' an
+inertial sensor, 'motion_capture', or 'capture', cameras. emulate ROBOT emulates the devices and the plant
+of a robot; the word 'robot' in front of the robot's name may be left out.""",
+        """\b
+Examples, the second without a robot:
+  firmware-bridge emulate rars -i socketcan -c vcan0
+  firmware-bridge emulate epos2 --node 1-2 -i socketcan -c vcan0""",
         kind=ByName,
         # An option in front of the robot's name is the robot's.
         context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False},
@@ -107,7 +106,7 @@ of a robot; the word `robot` in front of the robot's name may be left out.""",
     Group(
         "fmu",
         "List, build and check plants: models of robots as FMUs.",
-        "Example: `firmware-bridge fmu check my_plant.fmu`",
+        "Example: firmware-bridge fmu check my_plant.fmu",
     ),
     CliCommand("fmu list", "emulators.cli.plants:list_models", "List the models that can be built."),
     CliCommand(

@@ -67,7 +67,7 @@ class Promised(TyperCommand):
     """Placeholder in a group for a command that is imported only when it is called."""
 
     def __init__(self, row: CliCommand) -> None:
-        super().__init__(row.words.split()[-1], help=row.line, rich_markup_mode=MARKUP)
+        super().__init__(row.words.split()[-1], help=row.line, rich_markup_mode=None)
         self._row = row
 
     def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
@@ -132,7 +132,8 @@ def _worked(signature: Callable[..., Any], work: Callable[[Any], None]) -> Calla
 class Rows(PlainGroup):
     """A group that has the program's own commands at hand, and looks for others only when they are wanted.
 
-    So nothing that is installed beside the program delays a stop, or takes a command's place.
+    So nothing that is installed beside the program delays a stop, or takes a command's place. Its help is
+    plain text: to import what prints Markdown takes longer than all the rest.
     """
 
     tree: "Tree | None" = None
@@ -149,6 +150,14 @@ class Rows(PlainGroup):
         """Return the names of all commands."""
         self.complete()
         return super().list_commands(ctx)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the commands, each with the whole of its first paragraph."""
+        helps = {name: str(self.get_command(ctx, name).help) for name in self.list_commands(ctx)}
+        with formatter.section("Commands"):
+            formatter.write_dl(
+                [(name, text.partition("\n\n")[0].replace("`", "")) for name, text in helps.items()]
+            )
 
     def complete(self) -> None:
         """Add the commands of the installed packages, once."""
@@ -203,7 +212,7 @@ class Tree:
             help=row.line,
             epilog=row.epilog,
             no_args_is_help=True,
-            rich_markup_mode=MARKUP,
+            rich_markup_mode=None,
             context_settings=dict(row.context_settings),
         )
         made.tree = self

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from firmware_bridge.cli.commands import MARKUP, CliCommand, Row, Rows, Tree
+from firmware_bridge.cli.commands import CliCommand, Row, Rows, Tree
 from firmware_bridge.cli.console import INTERRUPTED, say, speak_plainly
 
 COMMANDS: Final[tuple[Row, ...]] = (
@@ -61,18 +61,15 @@ program = typer.Typer(
     cls=CommandGroup,
     help="maxon EPOS2 drives, Arduino boards with motor shields, AR2 arms and robots made of them: emulated, "
     "or driven from an operator's MAVLink with interlocks.",
-    epilog="""Begin with one of these:
-
-`firmware-bridge robots` lists the robots.
-
-`firmware-bridge bench rars --mission circles` drives one in virtual time, plots included.
-
-`firmware-bridge drive rars -i socketcan -c can0` runs the bridge on a real bus.
-
-`firmware-bridge COMMAND --help` describes each; `--install-completion` adds completion to your shell.""",
+    epilog="""\b
+Begin with one of these:
+  firmware-bridge robots                           the robots
+  firmware-bridge bench rars --mission circles     one driven in virtual time, plots included
+  firmware-bridge drive rars -i socketcan -c can0  the bridge on a real bus
+  firmware-bridge COMMAND --help                   each command; --install-completion is for your shell""",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    rich_markup_mode=MARKUP,
+    rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 

@@ -31,7 +31,7 @@ def test_help_names_every_command_with_an_example() -> None:
     status, out, _ = run("--help")
     assert status == 0
     for command in ("bench", "drive", "emulate", "robots"):
-        assert re.search(rf"^│ {command} ", out, flags=re.MULTILINE), out
+        assert re.search(rf"^  {command} ", out, flags=re.MULTILINE), out
     assert "bench rars --mission circles" in out
 
 

@@ -8,13 +8,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
     Group(
         "epos2",
         "One EPOS2 drive, real or emulated, over CAN or a serial line: its objects, its state.",
-        """Examples:
-
-`firmware-bridge epos2 read statusword "profile velocity" -i socketcan -c can0 --node 3`
-
-`firmware-bridge epos2 write profile-velocity 500rpm --serial /dev/ttyUSB0`
-
-`firmware-bridge epos2 state --serial /dev/ttyUSB0 --protocol v2`""",
+        """\b
+Examples:
+  firmware-bridge epos2 read statusword "profile velocity" -i socketcan -c can0 --node 3
+  firmware-bridge epos2 write profile-velocity 500rpm --serial /dev/ttyUSB0
+  firmware-bridge epos2 state --serial /dev/ttyUSB0 --protocol v2""",
     ),
     CliCommand(
         "epos2 scan",
