@@ -74,7 +74,8 @@ class Rig:
             realistic_latency=realistic_latency,
             on_bench=True,
         )
-        self._reads: Final = _reads(columns, self.devices.plant.output_names)
+        plant = self.devices.plant
+        self._reads: Final = _reads(columns, (*plant.output_names, *plant.shown_names))
         self._start_bridge(confirmed)
         families = {name: family_of(robot, name) for name in robot.links}
         buses = {name: bus for name, one in families.items() if (bus := one.bus(robot, name))}
@@ -242,7 +243,8 @@ class Rig:
         )
 
     def _sample(self, now: Nanoseconds) -> None:
-        outputs, seen = self.devices.plant.outputs[:], self.bridge.seen
+        plant, seen = self.devices.plant, self.bridge.seen
+        outputs = (*plant.outputs[:], *plant.look())
         values = [
             outputs[place] if column.seen is None else column.seen(seen) for column, place in self._reads
         ]

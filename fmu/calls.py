@@ -74,6 +74,14 @@ class Calls(NamedTuple):
     """Objects whose addresses are in the record, beside the above."""
 
 
+class Look(NamedTuple):
+    """What reads some variables between two steps."""
+
+    read: Callable[..., int]
+    arguments: tuple[Any, ...]
+    values: "ctypes.Array[ctypes.c_double]"
+
+
 NOT_MIRRORED: Final = Mirrored()
 
 
@@ -150,6 +158,16 @@ def prepare(
         record,
         (turned_in, turned_out),
     )
+
+
+def look(library: ctypes.CDLL, instance: int, major: int, references: Sequence[int]) -> Look:
+    """Return the call that reads these value references between two steps, for FMI 2 or 3."""
+    values, count = (ctypes.c_double * len(references))(), ctypes.c_size_t(len(references))
+    named = (ctypes.c_uint32 * len(references))(*references)
+    arguments: tuple[Any, ...] = (ctypes.c_void_p(instance), named, count, values)
+    if major > 2:  # noqa: PLR2004 - FMI 3.0 counts values, too
+        return Look(_function(library, "fmi3GetFloat64"), (*arguments, count), values)
+    return Look(_function(library, "fmi2GetReal"), arguments, values)
 
 
 def _write_mirrored(

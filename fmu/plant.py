@@ -12,7 +12,7 @@ from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import Any, Final, NamedTuple, NoReturn, Self
 
-from fmu.calls import OK_OR_WARNING, SECOND_NS, STATUS, Mirrored, PlantRecord, prepare
+from fmu.calls import OK_OR_WARNING, SECOND_NS, STATUS, Look, Mirrored, PlantRecord, look, prepare
 from fmu.errors import PlantError, PlantWarning
 from fmu.references import References, Variable
 from fmu.states import Copy, StateError
@@ -68,13 +68,15 @@ class FmuPlant:
         optional_inputs: Sequence[str] = (),
         optional_outputs: Sequence[str] = (),
         mirrored: Sequence[str] = (),
+        shown: Sequence[str] = (),
     ) -> None:
         """Unzip, validate, instantiate, set `parameters` (SI), initialize; `step` in ns.
 
         `units` has the required units of the named variables; an FMU without units is taken at its word.
         Optional variables follow the others where the FMU has them: `input_names` and `output_names` list
         all. `mirrored` are those of both that `inputs` and `outputs` have with the other sign; `read` gives
-        the FMU's own. Raises PlantError, naming the file and what is wrong with it.
+        the FMU's own. Those of `shown` are read by `look` only, which costs nothing in a step. Raises
+        PlantError, naming the file and what is wrong with it.
         """
         # FMPy comes with it, and most of what FMPy imports: only who has a plant waits for that.
         from fmu import loading  # noqa: PLC0415 - see above
@@ -89,6 +91,8 @@ class FmuPlant:
         self.output_names: Final = (*outputs, *self._references.present(optional_outputs))
         input_references = self._references.find(self.input_names, ("input",), units)
         output_references = self._references.find(self.output_names, ("output", "local"), units)
+        self.shown_names: Final = tuple(name for name in shown if name not in self.output_names)
+        shown_references = self._references.find(self.shown_names, ("output", "local"), units)
         # Before anything is unzipped: a wrong name costs no time and leaves nothing behind.
         set_references = self._references.settable(parameters)
         self._fmu, self._vault, self._finish = loading.loaded(self, path, description, self._messages)
@@ -114,6 +118,7 @@ class FmuPlant:
                 [place for place, name in enumerate(self.output_names) if name in mirrored],
             ),
         )
+        self._look = look(self._fmu.dll, component, version, shown_references)
         self._record = calls.record
         self.inputs, self.outputs, self._time = calls.inputs, calls.outputs, calls.time
         self._write, self._write_arguments = calls.write, calls.write_arguments
@@ -153,6 +158,12 @@ class FmuPlant:
         record.steps_done = done + 1
         if (status := self._read(*self._read_arguments)) > OK_OR_WARNING:
             self.failed(READING, status)
+
+    def look(self) -> Sequence[float]:
+        """Return the shown variables now, in the order of `shown_names`."""
+        if (status := self._look.read(*self._look.arguments)) > OK_OR_WARNING:
+            self.failed(READING, status)
+        return self._look.values[:]
 
     def read(self, name: str) -> float:
         """Return any variable's value now; slow."""
@@ -218,6 +229,7 @@ class FmuPlant:
         """Free the instance, unload the library, delete the unzipped files; harmless twice."""
         self._finish()
         self._write = self._forward = self._read = _closed
+        self._look = Look(_closed, (), (ctypes.c_double * 0)())
         # Null for the kernel in C, too: it must not call into a library that is unloaded.
         self._record.write = self._record.forward = self._record.read = None
 

@@ -79,8 +79,8 @@ def load_plant(
     outputs: Sequence[str] = (),
     step: Nanoseconds = TICK,
 ) -> FmuPlant:
-    """Load the plant of these devices, first the one that steps it; `outputs` are others. PlantError."""
-    read = tuple(dict.fromkeys(chain(*(one.outputs for one in needs), outputs)))
+    """Load the plant of these devices, first the one that steps it; `outputs` are shown. PlantError."""
+    read = tuple(dict.fromkeys(chain(*(one.outputs for one in needs))))
     optional = chain(*(one.optional_outputs for one in needs))
     return FmuPlant(
         path,
@@ -92,6 +92,7 @@ def load_plant(
         optional_inputs=tuple(chain(*(one.optional_inputs for one in needs))),
         optional_outputs=[name for name in dict.fromkeys(optional) if name not in read],
         mirrored=tuple(chain(*(one.mirrored for one in needs))),
+        shown=tuple(dict.fromkeys(outputs)),
     )
 
 

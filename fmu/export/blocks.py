@@ -6,12 +6,16 @@ C code, its tangents and its reference in Python are all printed from these bloc
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Final
 
 import sympy as sp
 
 from fmu.errors import PlantError
 from fmu.export.model import Expression, Model, Output
 from fmu.export.reciprocals import Lines, with_reciprocals
+
+PROMPT_NODES: Final = 30
+"""Terms of an output that is computed with each step; one of more is computed when it is read."""
 
 
 class UnsupportedError(PlantError):
@@ -37,8 +41,14 @@ class ModelCode:
 
     @cached_property
     def outputs(self) -> tuple[Output, ...]:
-        """Outputs that the regulators read after each step."""
-        return tuple(row for row in self.model.outputs if not row.local)
+        """Outputs: first the prompt ones."""
+        rows = [row for row in self.model.outputs if not row.local]
+        return tuple(sorted(rows, key=lambda row: not _prompt(row)))
+
+    @cached_property
+    def prompt(self) -> int:
+        """Number of outputs that are states, or little more, as all that a drive measures: read each step."""
+        return sum(map(_prompt, self.outputs))
 
     @cached_property
     def locals(self) -> tuple[Output, ...]:
@@ -80,7 +90,7 @@ class ModelCode:
 
     @cached_property
     def blocks(self) -> tuple[Block, ...]:
-        """Constants, starts, rates, outputs, locals, event indicators."""
+        """Constants, starts, rates, prompt and derived outputs, locals, event indicators."""
         model = self.model
         hoister = _Hoister(frozenset(real(row.name) for row in model.parameters))
         rates = [hoister.hoist(state.rate) for state in model.states]
@@ -95,12 +105,15 @@ class ModelCode:
         names |= _places("u", [row.name for row in model.inputs])
         names |= _places("s", [state.name for state in model.states])
         names |= _places("k", [symbol.name for symbol in hoister.constants.values()])
-        count = len(self.outputs)
+        prompt, count = self.prompt, len(self.outputs)
         return (
             _block("constants", "p", "k", list(hoister.constants), names=names),
             _block("starts", "pk", "s", [starts[i] for i in derived], names=names, places=derived),
             _block("rates", "supk", "rate", rates, names=names),
-            _block("outputs", "supk", "reading", readings[:count], names=names),
+            _block("outputs", "supk", "reading", readings[:prompt], names=names),
+            _block(
+                "derived", "supk", "reading", readings[prompt:count], names=names, places=range(prompt, count)
+            ),
             _block(
                 "locals", "supk", "reading", readings[count:], names=names, places=range(count, len(readings))
             ),
@@ -154,6 +167,18 @@ class _Hoister:
         if expression not in self.constants:
             self.constants[expression] = real(f"k{len(self.constants)}")
         return self.constants[expression]
+
+
+def _prompt(row: Output) -> bool:
+    """Return whether an output is computed with each step: a switch, or made of few terms."""
+    found: set[Expression] = set()
+    waiting = [sp.sympify(row.expression)]
+    while waiting and len(found) <= PROMPT_NODES:
+        term = waiting.pop()
+        if term not in found:
+            found.add(term)
+            waiting += term.args
+    return row.switch or len(found) <= PROMPT_NODES
 
 
 def real(name: str) -> Expression:

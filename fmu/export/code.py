@@ -131,6 +131,7 @@ def generate(program: ModelCode, token: str, core: str) -> dict[str, str]:
     sizes = {
         "FB_INPUTS": len(model.inputs),
         "FB_PARAMETERS": len(model.parameters),
+        "FB_PROMPT": program.prompt,
         "FB_OUTPUTS": len(program.outputs),
         "FB_LOCALS": len(program.locals),
         "FB_STATES": len(model.states),

@@ -46,7 +46,7 @@ class ReferenceModel:
         self._reading = [0.0] * len(program.readings)
         self._outputs = len(program.outputs)
         self._inner_step = model.inner_step
-        self._rates, self._read = run["rates"], run["outputs"]
+        self._rates, self._reads = run["rates"], (run["outputs"], run["derived"])
         self.length = model.inner_step
         run["constants"](p=self._p, k=self._k)
         run["starts"](p=self._p, k=self._k, s=self._s)
@@ -67,7 +67,8 @@ class ReferenceModel:
 
     def read(self) -> Sequence[float]:
         """Return all outputs."""
-        self._read(s=self._s, u=self._u, p=self._p, k=self._k, reading=self._reading)
+        for read in self._reads:
+            read(s=self._s, u=self._u, p=self._p, k=self._k, reading=self._reading)
         return self._reading[: self._outputs]
 
     def _integrate(self, h: float) -> None:

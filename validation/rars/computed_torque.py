@@ -243,7 +243,8 @@ def driven(case: Case) -> Run:
         world.attach(name, station.node, {CAN: wire})
     world.attach("master", master, {CAN: wire})
     motor, found = below.motors(ServoAxis)[axis.name], [(0.0, 0.0, 0.0)]
-    rack, winding = (below.plant.output_names.index(name) for name in OUTPUTS)
+    names = (*below.plant.output_names, *below.plant.shown_names)
+    rack, winding = (names.index(name) for name in OUTPUTS)
     try:
         while master.begun is None:
             if world.now >= STARTED:
@@ -251,7 +252,7 @@ def driven(case: Case) -> Run:
             world.run(world.now + MILLISECOND)
         for now in range(world.now, master.begun + round(case.seconds * SECOND), MILLISECOND):
             world.run(now)
-            outputs = below.plant.outputs
+            outputs = (*below.plant.outputs[:], *below.plant.look())
             found.append((outputs[rack] / STEP_M, outputs[winding], motor.current_demand_ma / 1000.0))
     finally:
         below.plant.close()

@@ -77,7 +77,7 @@ void fb_refresh_constants(fb_image *image) {
 /* A solver stops on an edge, a rounding before it or behind: at an event, switches look so far ahead, in s. */
 #define AHEAD 1e-9
 
-/* Outputs; those of switches keep in continuous time what they had at the last event. */
+/* Prompt outputs; those of switches keep in continuous time what they had at the last event. */
 static void read_outputs(fb_image *image) {
   const double *u = image->values + FB_FIRST_INPUT, *p = image->values + FB_FIRST_PARAMETER;
   double *reading = image->values + FB_FIRST_READING;
@@ -96,13 +96,17 @@ static void read_outputs(fb_image *image) {
     for (i = 0; i < FB_SWITCHES; i++) reading[fb_switch_readings[i]] = held[i];
 }
 
-/* Bring all variables up to the group of this one up to date: outputs, then locals, then rates. */
+/* Bring all variables up to the group of this one up to date: prompt outputs, derived ones, locals, rates. */
 static void refresh(fb_image *image, int reference) {
   const double *u = image->values + FB_FIRST_INPUT;
   const double *p = image->values + FB_FIRST_PARAMETER;
   fb_refresh_constants(image);
-  if (image->fresh < FB_FIRST_LOCAL) {
+  if (image->fresh < FB_FIRST_DERIVED) {
     read_outputs(image);
+    image->fresh = FB_FIRST_DERIVED;
+  }
+  if (reference >= FB_FIRST_DERIVED && image->fresh < FB_FIRST_LOCAL) {
+    fb_derived(image->states, u, p, image->constants, image->values + FB_FIRST_READING);
     image->fresh = FB_FIRST_LOCAL;
   }
   if (reference >= FB_FIRST_LOCAL && image->fresh < FB_FIRST_RATE) {

@@ -9,10 +9,12 @@
 #include "compiler.h"
 #include "model.h"
 
-/* Variables by value reference: time, inputs, parameters, outputs, locals, rates of the states. */
+/* Variables by value reference: time, inputs, parameters, prompt and derived outputs, locals, rates of the
+   states. */
 #define FB_FIRST_INPUT 1
 #define FB_FIRST_PARAMETER (FB_FIRST_INPUT + FB_INPUTS)
 #define FB_FIRST_READING (FB_FIRST_PARAMETER + FB_PARAMETERS)
+#define FB_FIRST_DERIVED (FB_FIRST_READING + FB_PROMPT)
 #define FB_FIRST_LOCAL (FB_FIRST_READING + FB_OUTPUTS)
 #define FB_READINGS (FB_OUTPUTS + FB_LOCALS)
 #define FB_FIRST_RATE (FB_FIRST_READING + FB_READINGS)
@@ -78,12 +80,14 @@ void fb_constants(FB_CONST p, FB_TARGET k);
 void fb_starts(FB_CONST p, FB_CONST k, FB_TARGET s);
 void fb_rates(FB_MOMENT, FB_TARGET rate);
 void fb_outputs(FB_MOMENT, FB_TARGET reading);
+void fb_derived(FB_MOMENT, FB_TARGET reading);
 void fb_locals(FB_MOMENT, FB_TARGET reading);
 void fb_indicators(FB_MOMENT, FB_TARGET indicator);
 void fb_constants_tangent(FB_CONST p, FB_CONST dp, FB_TARGET dk);
 void fb_starts_tangent(FB_CONST s, FB_CONST p, FB_CONST k, FB_CONST dp, FB_CONST dk, FB_TARGET ds);
 void fb_rates_tangent(FB_MOMENT, FB_TANGENTS, FB_TARGET drate);
 void fb_outputs_tangent(FB_MOMENT, FB_TANGENTS, FB_TARGET dreading);
+void fb_derived_tangent(FB_MOMENT, FB_TANGENTS, FB_TARGET dreading);
 void fb_locals_tangent(FB_MOMENT, FB_TANGENTS, FB_TARGET dreading);
 
 /* The shared part of the shells. Functions that can fail return false after telling the logger why. */

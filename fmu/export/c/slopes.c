@@ -30,7 +30,7 @@ bool fb_slopes(fb_instance *instance, const unsigned *unknowns, size_t unknown_c
   const double *u = image->values + FB_FIRST_INPUT, *p = image->values + FB_FIRST_PARAMETER;
   const double *k = image->constants, *s = image->states;
   fb_slope slope = {{0}, {0}, {0}, {0}, {0}};
-  bool outputs = false, locals = false, rates = false;
+  bool outputs = false, derived = false, locals = false, rates = false;
   size_t i;
   for (i = 0; i < known_count; i++) {
     double *at;
@@ -49,7 +49,8 @@ bool fb_slopes(fb_instance *instance, const unsigned *unknowns, size_t unknown_c
     }
     rates |= unknowns[i] >= FB_FIRST_RATE;
     locals |= unknowns[i] >= FB_FIRST_LOCAL && unknowns[i] < FB_FIRST_RATE;
-    outputs |= unknowns[i] < FB_FIRST_LOCAL;
+    derived |= unknowns[i] >= FB_FIRST_DERIVED && unknowns[i] < FB_FIRST_LOCAL;
+    outputs |= unknowns[i] < FB_FIRST_DERIVED;
   }
   fb_refresh_constants(image);
   if (image->phase == FB_INITIALISING) {
@@ -57,6 +58,7 @@ bool fb_slopes(fb_instance *instance, const unsigned *unknowns, size_t unknown_c
     fb_starts_tangent(s, p, k, slope.p, slope.k, slope.s);
   }
   if (outputs) fb_outputs_tangent(s, u, p, k, slope.s, slope.u, slope.p, slope.k, slope.unknown);
+  if (derived) fb_derived_tangent(s, u, p, k, slope.s, slope.u, slope.p, slope.k, slope.unknown);
   if (locals) fb_locals_tangent(s, u, p, k, slope.s, slope.u, slope.p, slope.k, slope.unknown);
   if (rates) fb_rates_tangent(s, u, p, k, slope.s, slope.u, slope.p, slope.k, slope.unknown + FB_READINGS);
   for (i = 0; i < unknown_count; i++) slopes[i] = slope.unknown[unknowns[i] - FB_FIRST_READING];
