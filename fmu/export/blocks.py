@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Final
 
 import sympy as sp
+from sympy.core.cache import clear_cache
 
 from fmu.errors import PlantError
 from fmu.export.model import Expression, Model, Output
@@ -91,6 +92,9 @@ class ModelCode:
     @cached_property
     def blocks(self) -> tuple[Block, ...]:
         """Constants, starts, rates, prompt and derived outputs, locals, event indicators."""
+        # SymPy's cache knows the parts of the same model from before: equal, and not the same, which it finds
+        # out part by part; for minutes, where parts are shared.
+        clear_cache()
         model = self.model
         hoister = _Hoister(frozenset(real(row.name) for row in model.parameters))
         rates = [hoister.hoist(state.rate) for state in model.states]

@@ -8,9 +8,12 @@ import sympy as sp
 
 from fmu.export.about import About
 from fmu.export.blocks import ModelCode
+from fmu.export.model import Expression, Model
 from fmu.export.variables import Variable, variables
 
 _STYLE: Final = "body{font-family:sans-serif;max-width:60em}td,th{text-align:left;padding-right:1em}"
+_WRITTEN_OUT: Final = 5000
+"""Terms of equations that are still read."""
 _CAUSALITIES: Final[Mapping[str, str]] = {
     "input": "Inputs",
     "output": "Outputs",
@@ -41,10 +44,28 @@ def _page(program: ModelCode, about: About) -> Iterator[str]:
         yield f"<h2>Equations</h2>\n<pre>{escape(about.page)}</pre>"
     else:
         yield "<h2>Equations</h2>\n<pre>"
-        yield from (escape(f"der({row.name}) = {sp.sstr(row.rate)}") for row in model.states)
-        yield from (escape(f"{row.name} = {sp.sstr(row.expression)}") for row in model.outputs)
+        yield from (escape(f"{name} = {sp.sstr(value)}") for name, value in _equations(model))
         yield "</pre>"
     yield "</body></html>"
+
+
+def _equations(model: Model) -> list[tuple[str, Expression]]:
+    """Return the equations as lines; parts that would fill pages, written out each time, have lines first."""
+    rows = [(f"der({row.name})", sp.sympify(row.rate)) for row in model.states]
+    rows += [(row.name, sp.sympify(row.expression)) for row in model.outputs]
+    terms: dict[Expression, int] = {}
+    if sum(_terms(value, terms) for _, value in rows) <= _WRITTEN_OUT:
+        return rows
+    shared, short = sp.cse([value for _, value in rows], sp.numbered_symbols("part"), order="none")
+    lines = [(symbol.name, value) for symbol, value in shared]
+    return lines + [(name, value) for (name, _), value in zip(rows, short, strict=True)]
+
+
+def _terms(expression: Expression, found: dict[Expression, int]) -> int:
+    """Return how many terms an expression has when it is written out."""
+    if expression not in found:
+        found[expression] = 1 + sum(_terms(part, found) for part in expression.args)
+    return found[expression]
 
 
 def _table(title: str, rows: Sequence[Variable]) -> Iterator[str]:

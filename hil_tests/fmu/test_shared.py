@@ -1,6 +1,7 @@
 """Shared and named terms of equations: each is computed once, as written; to all else it is its value."""
 
 import math
+import time
 from typing import Any
 
 import pytest
@@ -8,10 +9,12 @@ import sympy as sp
 
 from fmu.export.blocks import ModelCode
 from fmu.export.code import body
+from fmu.export.documentation import documentation
 from fmu.export.functions import named, shared
 from fmu.export.model import Model, Output, StateVariable
 from fmu.export.tangents import tangents
 from fmu.parts.symbols import symbol
+from fmu.plants import UNKNOWN, find
 
 X, Y = symbol("x"), symbol("y")
 TWIST = shared(X - Y)
@@ -58,6 +61,34 @@ def test_its_slope_is_that_of_its_value() -> None:
 
 def test_it_evaluates_to_its_value() -> None:
     assert sp.lambdify([X, Y], TWIST * 2)(5.0, 3.0) == 4.0
+
+
+def nested(levels: int) -> Model:
+    """Return a model whose rate has each level twice in the next one."""
+    value = X
+    for _ in range(levels):
+        value = named(sp.sin(value) + value * Y)
+    states = (StateVariable("x", "1", sp.S.Zero, value), StateVariable("y", "1", sp.S.Zero, -Y))
+    return Model("nested", "nested", (), (), states, (Output("x", "1", "x", X),), 1e-3)
+
+
+def test_parts_are_documented_once_where_they_would_fill_pages() -> None:
+    (page,) = documentation(ModelCode(nested(16)), UNKNOWN).values()
+    assert len(page) < 20_000
+    assert "der(x) = named(part" in page
+    assert "der(y) = -y" in page
+
+
+def test_a_plant_takes_no_longer_a_second_time() -> None:
+    """SymPy would compare the equal parts of both, each with all that it is made of."""
+    taken = []
+    for _ in range(2):
+        begun = time.process_time()
+        blocks = ModelCode(find("rome_arm").model()).blocks
+        taken.append(time.process_time() - begun)
+        for block in blocks[:4]:
+            tangents(block)
+    assert taken[1] < 3.0 * taken[0] + 1.0
 
 
 def test_what_is_named_nests_as_deeply_as_it_likes() -> None:
