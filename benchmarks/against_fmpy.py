@@ -1,7 +1,5 @@
 """The mission `circles` on the native kernel and FMI pointers, and on Python regulators and FMPy's calls.
 
-Usage: python -m benchmarks.against_fmpy [SECONDS]    simulated time; 8 by default: ratios need no more.
-
 Three ways through the same ten thousand steps a second, everything else alike:
 
 * native: the kernel in C calls the plant's FMI functions at their addresses;
@@ -13,14 +11,15 @@ All three must leave the same trace; where one does not, the program fails.
 
 import ctypes
 import os
-import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
 import numpy as np
 
-from benchmarks.measure import REPEATS, processor_seconds, show
+from benchmarks.figure import Figure
+from benchmarks.measure import processor_seconds
 from emulators.bench import mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.rig import Rig
@@ -34,8 +33,9 @@ from fmu.plant import FmuPlant
 
 MISSION: Final = "circles"
 SEED: Final = 0
-SECONDS: Final = 8.0
+SECONDS: Final = 6.0
 """Set up, armed and under way by then."""
+REPEATS: Final = 2
 
 
 class FmpyStep:
@@ -104,24 +104,17 @@ def driven(way: Way, simulated_s: float) -> Result:
     return Result(spent, rig.world.trace_sha256)
 
 
-def main(simulated_s: float) -> int:
-    """Print the three; 1 where a trace differs."""
-    runs = [[driven(way, simulated_s) for way in WAYS] for _ in range(REPEATS)]
+def figures() -> Iterator[Figure]:
+    """Measure the three; RuntimeError where a trace differs."""
+    runs = [[driven(way, SECONDS) for way in WAYS] for _ in range(REPEATS)]
     if len({result.trace for turn in runs for result in turn}) != 1:
-        print("the ways leave different traces: nothing is compared", file=sys.stderr)
-        return 1
+        raise RuntimeError("the ways leave different traces: nothing is compared")
     seconds = [min(result.seconds for result in way) for way in zip(*runs, strict=True)]
-    show(
-        f"{MISSION}, {simulated_s:g} s simulated: drives' loops and plant ten thousand times a second",
-        ("way", "real-time factor", "times as long"),
-        [
-            [way.name, f"{simulated_s / spent:.1f}", f"{spent / seconds[0]:.1f}"]
-            for way, spent in zip(WAYS, seconds, strict=True)
-        ],
-        f"all leave the trace {runs[0][0].trace[:16]}...; bridge, bus, drives and operator are in each",
-    )
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(float(sys.argv[1]) if len(sys.argv) > 1 else SECONDS))
+    for way, spent in zip(WAYS[1:], seconds[1:], strict=True):
+        yield Figure(
+            name=f"RARS, circles, by {way.name}",
+            value=1e3 * spent / SECONDS,
+            unit="ms/s",
+            against=WAYS[0].name,
+            reference=1e3 * seconds[0] / SECONDS,
+        )

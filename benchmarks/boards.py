@@ -1,7 +1,5 @@
 """Speed of an emulated Arduino board against real time, and a test of eight at once on this machine.
 
-Usage: python -m benchmarks.boards [SECONDS]    simulated time; 20 by default.
-
 A board of each firmware turns three motors, with a host that sends something every 50 ms. Times are the
 processor's; the ratio beside each is to as many seconds of RARS's mission, taken in the same minute. Then
 eight boards turn their motors in real time, each a process of its own on a pseudo-terminal, and receive a
@@ -11,7 +9,7 @@ request in every cycle.
 import resource
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,8 +18,9 @@ from typing import Final
 
 import serial
 
-from benchmarks.measure import interleaved, show
-from benchmarks.realtime import COMPILED, undisturbed
+from benchmarks.figure import Figure
+from benchmarks.measure import interleaved
+from benchmarks.watches import circles
 from emulators.arduino_omni.board import FIRMWARES, Board
 from emulators.arduino_omni.mega import motor_library as library
 from emulators.arduino_omni.motors import four_motors
@@ -41,7 +40,9 @@ BOARDS: Final = 8
 REAL_S: Final = 10
 LATEST: Final = 1
 """Cycles that an answer may take more than its own."""
-LEAST_FACTOR: Final = 3.0
+SIMULATED_S: Final = 10.0
+LARGEST_SHARE: Final = 1.0
+"""Limit of a board's time by that of a whole robot."""
 
 
 def _register_writes() -> tuple[bytes, ...]:
@@ -127,26 +128,33 @@ def in_real_time() -> tuple[int, float]:
     return worst, spent / BOARDS / (to_seconds(READY) + REAL_S)
 
 
-def main(simulated_s: float) -> int:
-    """Print the factors; fail where one is too small, or a board in real time was too late."""
-    simulated = from_seconds(simulated_s)
+def figures() -> Iterator[Figure]:
+    """Measure a board of each firmware, and eight in real time."""
     names = list(HOSTS)
-    times = interleaved([lambda name=name: drive(name, simulated) for name in names])  # type: ignore[misc] # bound now
-    rars = undisturbed(simulated_s, runs=1)
-    rows = [
-        (FIRMWARES[name].title, f"{simulated_s / taken:.1f}", f"{taken / rars:.2f}")
-        for name, taken in zip(names, times, strict=True)
-    ]
-    core = "compiled" if COMPILED else "interpreted"
-    show(f"One board, core {core}", ("firmware", "times real time", "of RARS's time"), rows)
+    runs = [lambda name=name: drive(name, from_seconds(SIMULATED_S)) for name in names]  # type: ignore[misc] # bound now
+    *times, rars = interleaved([*runs, lambda: circles(SIMULATED_S)])
+    for name, taken in zip(names, times, strict=True):
+        yield Figure(
+            name=f"board, {FIRMWARES[name].title}",
+            value=1e3 * taken / SIMULATED_S,
+            unit="ms/s",
+            against="RARS, circles",
+            reference=1e3 * rars / SIMULATED_S,
+            goal=LARGEST_SHARE,
+        )
     late, share = in_real_time()
-    each = f"{100 * share:.0f} % of a processor each, starting included"
-    print(f"{BOARDS} boards in real time for {REAL_S} s: {each}; answers {late} cycles late at worst")
-    if simulated_s / max(times) < LEAST_FACTOR or late > LATEST:
-        print("the boards do not keep up", file=sys.stderr)
-        return 1
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(float(sys.argv[1]) if len(sys.argv) > 1 else 20.0))
+    yield Figure(
+        name=f"{BOARDS} boards in real time, latest answer",
+        value=late + 1,
+        unit="cycles",
+        against="its own",
+        reference=1,
+        goal=LATEST + 1,
+    )
+    yield Figure(
+        name=f"{BOARDS} boards in real time, each",
+        value=100 * share,
+        unit="%",
+        against="a core",
+        reference=100,
+    )

@@ -1,4 +1,4 @@
-"""Drives without a robot on one virtual bus; a master sets them up and then exchanges process data."""
+"""Drives without a robot on virtual buses; a master sets them up and then exchanges process data."""
 
 import ctypes
 from collections.abc import Callable, Iterable, Sequence
@@ -74,6 +74,7 @@ class Crowd:
 
     world: World
     wire: CanWire
+    """The first of its buses."""
     axes: list[ServoAxis]
 
     @property
@@ -128,14 +129,17 @@ def crowd(
     every: Nanoseconds = 50 * MILLISECOND,
     heartbeat_ms: int = 0,
     cycle: Cycle | None = None,
+    buses: int = 1,
 ) -> Crowd:
-    """Put so many drives onto a bus, above motors in C where that library is given, and run them in."""
-    axes = [ServoAxis(f"motor{node}", QUADCOUNTS_PER_LINE * PULSES) for node in range(1, count + 1)]
-    bank = None if motors is None else ServoBank(Motors(motors, count=count), axes, supply=3 * count)
-    world, wire = World(bank), CanWire(BIT_RATE)
-    master = Master(set_up(count, heartbeat_ms), cycle or partial(exchange, count), every)
-    for node, axis in enumerate(axes, start=1):
-        world.attach(axis.name, Epos2(node, axis), {CAN: wire})
-    world.attach("master", master, {CAN: wire})
+    """Put so many drives onto each bus, above motors in C where that library is given, and run them in."""
+    whole = count * buses
+    axes = [ServoAxis(f"motor{number}", QUADCOUNTS_PER_LINE * PULSES) for number in range(whole)]
+    bank = None if motors is None else ServoBank(Motors(motors, count=whole), axes, supply=3 * whole)
+    world, wires = World(bank), [CanWire(BIT_RATE, f"bus{number}") for number in range(buses)]
+    for number, axis in enumerate(axes):
+        world.attach(axis.name, Epos2(number % count + 1, axis), {CAN: wires[number // count]})
+    for wire in wires:
+        master = Master(set_up(count, heartbeat_ms), cycle or partial(exchange, count), every)
+        world.attach(f"master of {wire.name}", master, {CAN: wire})
     world.run(BEGIN_AT + 10 * every)
-    return Crowd(world, wire, axes)
+    return Crowd(world, wires[0], axes)

@@ -1,15 +1,12 @@
 """Cost of the live page on a bench at the clock's pace: what an open page adds to the serving process.
 
-Usage: python -m benchmarks.live_page
-
 Each part is timed alone, and counted as often as it comes in a second: the state, the frames in words and the
 messages 20 times, with their way into a socket; a moment to go back to once; each frame of the bus once, for
 the incidents.
 """
 
-import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
@@ -17,7 +14,7 @@ from typing import Final
 
 from websockets.sync.client import connect
 
-from benchmarks.measure import show
+from benchmarks.figure import Figure
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.mission import find as mission_of
 from emulators.control.desk import Desk
@@ -27,7 +24,7 @@ from emulators.paced import PacedRig
 from emulators.rig import Rig
 from emulators.run import RunOrder, operator_of
 from firmware_bridge.explain.explainer import BusExplainer, Setup
-from firmware_bridge.live.messages import ALL_PAGES, LIVE, SHOWN_EVERY, encoded
+from firmware_bridge.live.messages import ALL_PAGES, SHOWN_EVERY, encoded
 from firmware_bridge.live.socket import LiveSocket
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import find
@@ -114,17 +111,14 @@ def _sending(message: bytes) -> float:
     return found
 
 
-def main() -> int:
-    """Measure and print; 1 where the goal is missed."""
-    rows, worst = [], 0.0
+def figures() -> Iterator[Figure]:
+    """Measure the page of each robot."""
     for robot, mission in ROBOTS:
-        parts = cost(robot, mission)
-        worst = max(worst, sum(parts))
-        rows.append([f"{robot}, {mission}", *(f"{one:.2f} %" for one in (*parts, sum(parts)))])
-    head = ("bench", "messages", "sending", "moments", "incidents", f"all, goal {GOAL_PERCENT:g} %")
-    show(f"a page open, {A_SECOND} states a second, link {LIVE}", head, rows)
-    return 0 if worst <= GOAL_PERCENT else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+        yield Figure(
+            name=f"live page, {robot}, {mission}",
+            value=sum(cost(robot, mission)),
+            unit="%",
+            against="a core",
+            reference=100.0,
+            goal=GOAL_PERCENT / 100.0,
+        )

@@ -1,21 +1,19 @@
 """Cost of a recording in MCAP: microseconds for each frame, and the share of a whole run on the bench.
 
-Usage: python -m benchmarks.mcap_cost [SECONDS]    simulated time of the run; 60 by default.
-
 The limit is a tenth of a core with a bus of 1 Mbit/s that is never idle: some 9,000 frames a second. A file
 of the same frames as `can.log` is beside it. The run is the mission `circles`; its frames, datagrams, poses
 and states are recorded.
 """
 
 import io
-import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from benchmarks.measure import fastest, interleaved, show
+from benchmarks.figure import Figure
+from benchmarks.measure import interleaved
 from emulators.bench import mission
 from emulators.robots.rars import BENCH_SETUP
 from emulators.run import RunOrder, drive
@@ -29,7 +27,9 @@ MISSION: Final = "circles"
 FRAMES: Final = 100_000
 BUSY: Final = 9_000
 """Frames a second of 8 bytes on a bus of 1 Mbit/s without a pause."""
-MOST_US: Final = 0.1 * 1e6 / BUSY
+MOST_SHARE: Final = 0.1
+MOST_WITH_FILE: Final = 1.25
+SECONDS: Final = 20.0
 PACKET: Final = Packet(CAN, 0x281, bytes(range(8)))
 
 
@@ -51,48 +51,41 @@ def as_candump() -> int:
     return len(file.getvalue())
 
 
-def one_frame() -> float:
-    """Print the cost of a frame in both forms; return that of MCAP in microseconds."""
-    rows, costs = [], []
-    for title, run in (("MCAP", as_mcap), ("candump", as_candump)):
-        cost = 1e6 * fastest(run) / FRAMES
-        costs.append(cost)
-        share = f"{cost * BUSY / 1e4:.1f} %"
-        rows.append([title, f"{cost:.1f}", share, f"{run() / FRAMES:.0f}"])
-    head = ("file", "us a frame", f"of a core at {BUSY} frames/s", "bytes a frame")
-    show("One frame to a file in memory", head, rows)
-    return costs[0]
-
-
 def runs(order: RunOrder, folder: Path) -> list[Callable[[], object]]:
     """Return the same run without and with a file in MCAP."""
     recorded = replace(order, record=folder / "run.mcap")
     return [lambda one=one: drive(one, lambda _now: None) for one in (order, recorded)]  # type: ignore[misc] # bound now
 
 
-def whole_run(seconds: float) -> None:
-    """Print what the file adds to a run."""
+def figures() -> Iterator[Figure]:
+    """Measure a frame in both forms, and what a file adds to a run."""
+    mcap, candump = (1e6 * taken / FRAMES for taken in interleaved([as_mcap, as_candump]))
+    yield Figure(
+        name="a frame to a recording in MCAP",
+        value=mcap,
+        unit="us",
+        against="a line of candump's",
+        reference=candump,
+    )
+    yield Figure(
+        name=f"MCAP of {BUSY} frames/s",
+        value=mcap * BUSY / 1e4,
+        unit="%",
+        against="a core",
+        reference=100.0,
+        goal=MOST_SHARE,
+    )
     rars = find("rars")
-    script = mission.find(MISSION, rars, BENCH_SETUP).model_copy(update={"duration_s": seconds})
+    script = mission.find(MISSION, rars, BENCH_SETUP).model_copy(update={"duration_s": SECONDS})
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         order = RunOrder(rars, BENCH_SETUP, MISSION, script, 0, folder / "results")
-        plain, recorded = interleaved(runs(order, folder))
-        size = (folder / "run.mcap").stat().st_size
-    rows = [
-        ["without", f"{plain:.2f}", "", ""],
-        ["with", f"{recorded:.2f}", f"{100 * (recorded / plain - 1):.1f} %", f"{size / 1e6:.1f}"],
-    ]
-    head = ("recording", "processor s", "more", "MB")
-    show(f"bench rars --mission {MISSION}, {seconds:g} s, pictures included", head, rows)
-
-
-def main() -> int:
-    """Print both; return 1 where a frame costs more than the limit."""
-    cost = one_frame()
-    whole_run(float(sys.argv[1]) if len(sys.argv) > 1 else 60.0)
-    return int(cost > MOST_US)
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+        plain, recorded = interleaved(runs(order, folder), 2)
+    yield Figure(
+        name="bench rars with --record",
+        value=recorded,
+        unit="s",
+        against="without",
+        reference=plain,
+        goal=MOST_WITH_FILE,
+    )

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 REPEATS: Final = 3
-WIDTH: Final = 110
+WIDTH: Final = 140
 KIB_A_MIB: Final = 1024
 
 

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, Final, Protocol
 
 from benchmarks.measure import resident_kib, show
-from benchmarks.realtime import rig_and_operator
+from benchmarks.watches import rig_and_operator
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.mission import find as mission_of
 from emulators.bench.operator import ScriptedOperator

@@ -1,16 +1,14 @@
 """Cost of keeping a moment of a run and of restoring it, against driving on for ten milliseconds.
 
-Usage: python -m benchmarks.moments
-
 Each is the least of many on one and the same moment, in the processor's time.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from time import thread_time
 from typing import Final
 
-from benchmarks.measure import show
-from benchmarks.realtime import rig_and_operator
+from benchmarks.figure import Figure
+from benchmarks.watches import rig_and_operator
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 AT: Final[tuple[Nanoseconds, ...]] = (5 * SECOND, 20 * SECOND)
@@ -24,10 +22,9 @@ def least(times: list[float]) -> float:
     return 1e3 * min(times)
 
 
-def main() -> None:
-    """Measure and print."""
+def figures() -> Iterator[Figure]:
+    """Measure early and late."""
     rig, _ = rig_and_operator()
-    rows = []
     for at in AT:
         rig.run(at)
         moment = rig.snapshot()
@@ -44,14 +41,12 @@ def main() -> None:
             timed(back, lambda moment=moment: rig.restore(moment))  # type: ignore[misc] # bound now
             timed(on, lambda at=at: rig.run(at + STEP))  # type: ignore[misc] # bound now
             timed(there, rig.snapshot)
-        drive = least(on)
-        figures = [(name, least(times)) for name, times in (("kept", there), ("put back", back))]
-        rows += [
-            (f"{name} at {at / SECOND:g} s", f"{spent:.2f} ms", f"{spent / drive:.2f}")
-            for name, spent in figures
-        ]
-    show("moments of a run", ("moment", "least", "of 10 ms driven"), rows)
-
-
-if __name__ == "__main__":
-    main()
+        for name, times in (("kept", there), ("put back", back)):
+            yield Figure(
+                name=f"a moment {name}, at {at / SECOND:g} s",
+                value=least(times),
+                unit="ms",
+                against="10 ms driven",
+                reference=least(on),
+            )
+    rig.finish()

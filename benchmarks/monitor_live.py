@@ -1,7 +1,5 @@
 """Cost of `monitor` on a full bus: 9,000 frames a second, received and shown, and frames put into words.
 
-Usage: python -m benchmarks.monitor_live
-
 Frames of a mission are sent by another process through a socket pair, each a struct can_frame as SocketCAN
 gives it; the monitor's own port, runner, picture and table take them. The decoding is compared with splitting
 the same lines of a candump log into instant, bus, identifier and bytes, in the same run.
@@ -14,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Final
@@ -21,7 +20,8 @@ from unittest.mock import patch
 
 from rich.console import Console
 
-from benchmarks.measure import interleaved, show
+from benchmarks.figure import Figure
+from benchmarks.measure import interleaved
 from emulators.bench import mission
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.run import RunOrder, drive
@@ -111,31 +111,32 @@ def words_and_splits(lines: list[str]) -> tuple[float, float]:
     return decoded, splits
 
 
-def main() -> int:
-    """Measure and print; 1 where a goal is missed."""
+def figures() -> Iterator[Figure]:
+    """Measure a monitor in another process's stream, and words against splits."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         lines = recorded(folder)
-        percent, frames = live(lines, folder)
+        percent, _ = live(lines, folder)
     decoded, splits = words_and_splits(lines)
-    ratio = decoded / splits
-    show(
-        f"monitor, {FRAMES_A_SECOND} frames/s for {SECONDS} s",
-        ("figure", "value", "goal"),
-        [
-            ["a core, receiving included", f"{percent:.1f} %", f"< {GOAL_PERCENT:g} %"],
-            ["frames shown", f"{frames}", ""],
-            ["a frame in words", f"{1e6 * decoded / len(lines):.2f} us", ""],
-            ["a line split", f"{1e6 * splits / len(lines):.2f} us", ""],
-            ["words to splits", f"{ratio:.1f}", f"<= {GOAL_RATIO:g}"],
-        ],
+    yield Figure(
+        name=f"monitor, {FRAMES_A_SECOND} frames/s",
+        value=percent,
+        unit="%",
+        against="a core",
+        reference=100.0,
+        goal=GOAL_PERCENT / 100.0,
     )
-    return 0 if percent < GOAL_PERCENT and ratio <= GOAL_RATIO else 1
+    yield Figure(
+        name="a frame in words",
+        value=1e6 * decoded / len(lines),
+        unit="us",
+        against="a line of candump's split",
+        reference=1e6 * splits / len(lines),
+        goal=GOAL_RATIO,
+    )
 
 
 if __name__ == "__main__":
-    if SENDER in sys.argv[1:]:
-        with suppress(ConnectionError):  # the monitor has seen enough
-            send(int(sys.argv[2]), sys.argv[3])
-        sys.exit(0)
-    sys.exit(main())
+    # The other process, which sends.
+    with suppress(ConnectionError):  # the monitor has seen enough
+        send(int(sys.argv[2]), sys.argv[3])

@@ -8,18 +8,22 @@ shares of one more watched run. With `--page` docs/where-the-time-goes.md is wri
 """
 
 import argparse
+import os
+import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from benchmarks.figure import Figure
 from benchmarks.measure import processor_seconds, show
-from benchmarks.realtime import COMPILED, SEED, StopWatches, split
 from benchmarks.reference import KEPT_MS, loop_ms
+from benchmarks.watches import COMPILED, SEED, StopWatches, split
 from emulators.bench import mission
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.operator import ScriptedOperator
@@ -51,6 +55,18 @@ SUBJECTS: Final = (
     Subject("climber, square", "climber", "square", 12.5, 5.0),
     Subject("rome_arm, orbit", "rome_arm", "orbit", 25.0, 15.0),
 )
+
+
+WITH_CAMERAS: Final = (
+    ("ROME, circle, cameras at 240 Hz", "rome+cameras", "circle", 10.0),
+    ("climber, square, cameras at 240 Hz", "climber+cameras", "square", 50.0),
+)
+"""Title, robot, mission, and the goal of the whole in ms of a simulated second."""
+FIGURES_S: Final = 10.0
+"""Simulated time of a run for `figures`."""
+INTERPRETED_GOAL: Final = 2.5
+HOURS_GOAL: Final = 42.0
+HOUR_ROBOTS: Final = ("rars", "rome")
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +175,66 @@ HEAD: Final = (
     *("mission", "whole", "plant, kernel", "goal", "the rest", "goal"),
     *("bridge", "devices", "operator", "bus, world", "recording", "report"),
 )
+
+
+def whole_and_physics(subject: Subject, simulated_s: float, repeats: int = REPEATS) -> tuple[float, float]:
+    """Return ms of a simulated second: all without recording and report, and plant and kernel alone."""
+    whole, physics = [], []
+    for _ in range(repeats):
+        whole.append(plain(subject, simulated_s))
+        watches = watched(subject, simulated_s)[1]
+        physics.append(watches.seconds[PHYSICS] - watch_seconds() * watches.calls[PHYSICS])
+    return 1e3 * min(whole) / simulated_s, 1e3 * min(physics) / simulated_s
+
+
+def figures() -> Iterator[Figure]:
+    """Measure each robot against the loop, with cameras, and by an interpreter."""
+    loop = loop_ms()
+
+    def against_loop(name: str, value: float, goal: float) -> Figure:
+        limit = goal / KEPT_MS
+        return Figure(name=name, value=value, unit="ms/s", against="loop, ms", reference=loop, goal=limit)
+
+    for subject in SUBJECTS:
+        whole, physics = whole_and_physics(subject, FIGURES_S)
+        yield against_loop(f"{subject.title}: plant, kernel", physics, subject.physics_goal)
+        yield against_loop(f"{subject.title}: the rest", whole - physics, subject.rest_goal)
+        if subject.robot in HOUR_ROBOTS:
+            yield Figure(
+                name=f"{subject.title}: simulated hours",
+                value=1e3 / whole,
+                unit="h",
+                against="an hour of a core",
+                reference=1.0,
+                goal=HOURS_GOAL,
+                at_least=True,
+            )
+        if subject is SUBJECTS[0] and COMPILED:
+            yield Figure(
+                name=f"{subject.title}: the rest, interpreted",
+                value=interpreted_rest(),
+                unit="ms/s",
+                against="compiled",
+                reference=whole - physics,
+                goal=INTERPRETED_GOAL,
+            )
+    for title, robot, name, goal in WITH_CAMERAS:
+        seen = Subject(title, robot, name, goal, goal)
+        taken = min(plain(seen, FIGURES_S) for _ in range(REPEATS))
+        yield against_loop(title, 1e3 * taken / FIGURES_S, goal)
+
+
+def interpreted_rest() -> float:
+    """Return ms of the first robot without plant and kernel, by the same Python without the compiled core."""
+    call = "from benchmarks.parts import *; a, b = whole_and_physics(SUBJECTS[0], FIGURES_S, 2); print(a - b)"
+    printed = subprocess.run(  # noqa: S603 - this file, by this interpreter
+        [sys.executable, "-c", call],
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return float(printed.stdout)
 
 
 def rows(found: dict[Subject, Figures], scale: float) -> list[tuple[str, ...]]:
