@@ -38,6 +38,7 @@ TURNED: Final = 10.0
 MOTORS: Final = 3
 BOARDS: Final = 8
 REAL_S: Final = 10
+BAUD: Final = 57_600
 LATEST: Final = 1
 """Cycles that an answer may take more than its own."""
 SIMULATED_S: Final = 10.0
@@ -108,7 +109,7 @@ def in_real_time() -> tuple[int, float]:
         for board in running:
             assert board.stdout is not None  # noqa: S101 - for the type checker: it is a pipe
             board.stdout.readline()  # the pseudo-terminal is there
-        hosts = [opened.enter_context(serial.Serial(str(it), timeout=0)) for it in links]
+        hosts = [opened.enter_context(serial.Serial(str(it), BAUD, timeout=0)) for it in links]
         clock, worst = Clock(), 0
         clock.wait([], READY)
         waiting = [0] * BOARDS

@@ -58,7 +58,7 @@ SUBJECTS: Final = (
 
 
 WITH_CAMERAS: Final = (
-    ("ROME, circle, cameras at 240 Hz", "rome+cameras", "circle", 10.0),
+    ("ROME, circle, cameras at 240 Hz", "rome+cameras", "circle", 33.0),
     ("climber, square, cameras at 240 Hz", "climber+cameras", "square", 50.0),
 )
 """Title, robot, mission, and the goal of the whole in ms of a simulated second."""
