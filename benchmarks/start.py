@@ -14,9 +14,10 @@ TYPER: Final = "import typer, rich.console"
 RIG: Final = """
 import time
 import emulators.rig, fmu.loading, fmu.verify
+from emulators.devices import needs_of
 from emulators.testing.kept import Kept
 from firmware_bridge.robot_types import find
-find({robot!r})
+needs_of(find({robot!r}))
 kept, begun = Kept(), time.process_time()
 kept.armed({robot!r}, 0)
 print(1e3 * (time.process_time() - begun))
