@@ -95,9 +95,7 @@ INTERPRETED: Final = frozenset(
         "firmware_bridge/canopen/object_dictionary.py",  # a mapping, by the rules of Python's
         "firmware_bridge/canopen/object_row.py",  # a table
         "firmware_bridge/differential/geometry.py",  # its tables are pydantic's
-        "firmware_bridge/motion/davis.py",  # it holds a table of the robot file, which pydantic reads
-        "firmware_bridge/motion/differential.py",  # as above
-        "firmware_bridge/motion/scissor.py",  # as above
+        "firmware_bridge/motion/tables.py",  # as above
         "firmware_bridge/robots/ar2/geometry.py",  # as above
         "firmware_bridge/robots/climber/geometry.py",  # as above
         "firmware_bridge/robots/rars/geometry.py",  # as above

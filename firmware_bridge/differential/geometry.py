@@ -4,7 +4,7 @@ from typing import Self
 
 from pydantic import model_validator
 
-from firmware_bridge.motion.differential import DifferentialBase
+from firmware_bridge.motion.tables import DifferentialBase
 from firmware_bridge.robot.table import Positive, Table
 
 

@@ -7,27 +7,7 @@ mirror each other. Limits are not known here: a caller clips.
 
 import math
 
-from firmware_bridge.robot.table import Positive, Table
-
-
-class DavisBase(Table):
-    """Davis-steered platform, lengths in meters (thesis 2.4, Tab. 3.1)."""
-
-    wheel_radius_m: Positive
-    rear_track_m: Positive
-    wheelbase_m: Positive
-    kingpin_distance_m: Positive
-    davis_h_m: Positive
-    pinion_diameter_m: Positive
-    half_support_width_m: Positive
-    centre_of_gravity_height_m: Positive
-    centre_offset_m: Positive = 0.220
-    """Rear axle to centre of mass: 0.220 by Tab. 3.1, 0.141 by 2.3.1 of the thesis."""
-
-    @property
-    def davis_b_m(self) -> float:
-        """Half the tie rod's offset, from 2 b / h = a_k / w (2.12)."""
-        return self.davis_h_m * self.kingpin_distance_m / (2.0 * self.wheelbase_m)
+from firmware_bridge.motion.tables import DavisBase
 
 
 def rack_from_steer(base: DavisBase, steer_rad: float) -> float:

@@ -6,16 +6,8 @@ The robot's point is the middle of the axle; the castors follow. Limits beyond t
 import math
 from dataclasses import dataclass
 
-from firmware_bridge.robot.table import Positive, Table
+from firmware_bridge.motion.tables import DifferentialBase
 from firmware_bridge.units import Nanoseconds, to_seconds
-
-
-class DifferentialBase(Table):
-    """Two driven wheels on one axle."""
-
-    wheel_radius_m: Positive
-    track_m: Positive
-    """From wheel to wheel, where they touch the floor."""
 
 
 def wheel_speeds(base: DifferentialBase, speed_mps: float, turn_rad_s: float) -> tuple[float, float]:

@@ -5,27 +5,8 @@ Speeds and limits are not known here: a caller clips to `highest`.
 """
 
 import math
-from typing import Annotated, Self
 
-from pydantic import Field, model_validator
-
-from firmware_bridge.robot.table import Positive, Table
-
-
-class ScissorLift(Table):
-    """Scissor lift on a screw: N stages of equal links, driven along the base."""
-
-    stages: Annotated[int, Field(ge=1, le=20)]
-    link_length_m: Positive
-    collapsed_angle_deg: Annotated[float, Field(gt=0, lt=90)]
-    extended_angle_deg: Annotated[float, Field(gt=0, lt=90)]
-    screw_pitch_m: Positive
-
-    @model_validator(mode="after")
-    def _extends_upwards(self) -> Self:
-        if self.extended_angle_deg <= self.collapsed_angle_deg:
-            raise ValueError("extended_angle_deg must be larger than collapsed_angle_deg")
-        return self
+from firmware_bridge.motion.tables import ScissorLift
 
 
 def highest(lift: ScissorLift) -> float:

@@ -10,7 +10,8 @@ from typing import Final
 
 from firmware_bridge.families.epos2.settings import Epos2AnalogueInput
 from firmware_bridge.motion.davis import outer_from_rack, rack_from_steer
-from firmware_bridge.motion.scissor import ScissorLift, highest
+from firmware_bridge.motion.scissor import highest
+from firmware_bridge.motion.tables import ScissorLift
 from firmware_bridge.robot import AnyRobot, Robot
 from firmware_bridge.robot_types import find
 from firmware_bridge.robots.climber.geometry import ClimberGeometry

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from firmware_bridge.motion import davis
-from firmware_bridge.motion.davis import DavisBase
+from firmware_bridge.motion.tables import DavisBase
 from firmware_bridge.robot_types import find
 from validation.rars.plant import PLAIN, STEP, WHEELS, P, Plant
 from validation.rars.torques import LASTS, RADIUS, turned_by

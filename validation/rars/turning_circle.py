@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from firmware_bridge.motion import davis
-from firmware_bridge.motion.davis import DavisBase
+from firmware_bridge.motion.tables import DavisBase
 from firmware_bridge.robot_types import find
 from validation.studies.solve import Floats
 from validation.studies.study import Compared, Curve, Findings, Plot

@@ -23,7 +23,7 @@ from firmware_bridge.units import NEVER, Nanoseconds
 class DriveOnCan(Drive[CanFeedback]):
     """One drive; a `firmware_bridge.drivers.driver.Driver`."""
 
-    __slots__ = ("_answers", "_braking", "_client", "_requests", "wake_at")
+    __slots__ = ("_answers", "_brakes_between", "_braking", "_client", "_requests", "wake_at")
 
     def __init__(self, axis: Axis, product: DriveProduct, rows: tuple[SetupObject, ...]) -> None:
         """Take the axis, what its drive is, and its set-up."""
@@ -32,6 +32,7 @@ class DriveOnCan(Drive[CanFeedback]):
         self._answers: Final = cia301.SDO_RESPONSE + DriveAxis.of(axis).node
         """Identifier of its SDO server's answers."""
         self._braking: Final = BRAKING_COB_ID + DriveAxis.of(axis).node
+        self._brakes_between: Final = _braking_bounds(axis)
         self.wake_at: Nanoseconds = NEVER
         """Time of its next wake-up. Read after every packet: so it is an attribute."""
         self._requests: deque[ObjectRequest] = deque()
@@ -61,13 +62,11 @@ class DriveOnCan(Drive[CanFeedback]):
 
     def _brakes(self, set_point: SetPoint) -> tuple[Packet, ...]:
         """Return the frame of the quick stop deceleration that goes with a speed, where it may be lowered."""
-        least = DriveAxis.of(self._axis).profile.quick_stop_least_rpm_s
+        bounds = self._brakes_between
         # During a stop the last one stays: both axes of a ratio shall come to rest together.
-        if least is None or not isinstance(set_point, Speed):
+        if bounds is None or not isinstance(set_point, Speed):
             return ()
-        least, most = (
-            in_units(self._axis, rpm) for rpm in (least, DriveAxis.of(self._axis).profile.quick_stop_rpm_s)
-        )
+        least, most = bounds
         wanted = set_point.braking * most
         # Written so that a NaN brakes as hard as it may.
         value = round(wanted) if least <= wanted <= most else least if wanted < least else most
@@ -129,3 +128,11 @@ class DriveOnCan(Drive[CanFeedback]):
         """Pass on what is to be sent, once it is known how long to wait for what comes of it."""
         self.wake_at = self._scripts.wake_at
         return sent
+
+
+def _braking_bounds(axis: Axis) -> tuple[int, int] | None:
+    """Return least and largest quick stop deceleration in the drive's units; None where it stays as it is."""
+    profile = DriveAxis.of(axis).profile
+    if profile.quick_stop_least_rpm_s is None:
+        return None
+    return in_units(axis, profile.quick_stop_least_rpm_s), in_units(axis, profile.quick_stop_rpm_s)

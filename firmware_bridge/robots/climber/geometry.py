@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from firmware_bridge import renamed
 from firmware_bridge.differential import geometry
-from firmware_bridge.motion.differential import DifferentialBase
+from firmware_bridge.motion.tables import DifferentialBase
 from firmware_bridge.robot.table import Finite, Positive, SensorName, Table
 
 GRAVITY: Final = 9.81

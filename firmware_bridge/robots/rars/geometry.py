@@ -6,8 +6,8 @@ from typing import Annotated
 from pydantic import Field
 
 from firmware_bridge import renamed
-from firmware_bridge.motion.davis import DavisBase, steer_from_curvature
-from firmware_bridge.motion.scissor import ScissorLift
+from firmware_bridge.motion.davis import steer_from_curvature
+from firmware_bridge.motion.tables import DavisBase, ScissorLift
 from firmware_bridge.robot.table import NonNegative, Positive, SensorName, Table
 from firmware_bridge.units import STANDARD_GRAVITY
 

@@ -70,14 +70,14 @@ class Rack:
         self._base: Final = robot.geometry.base
         self.pinion_rad_s: Final = steering.settings.cruise(steering.ratio)
 
-    def turning(self, steer_rad: float, goal_rad: float | None) -> float:
-        """Return how fast the curvature changes on the way from an angle to a goal, 1/(m s)."""
+    def turning(self, steer_rad: float, bend_per_m: float, goal_rad: float | None) -> float:
+        """Return how fast the curvature changes on the way from an angle and its curvature to a goal, 1/(m s)."""
         if goal_rad is None:
             return 0.0
         base, most = self._base, self.pinion_rad_s * TURNS_FOR_S
         pinion, goal = (davis.pinion_from_steer(base, angle) for angle in (steer_rad, goal_rad))
         onward = davis.steer_from_pinion(base, pinion + min(max(goal - pinion, -most), most))
-        change = abs(davis.curvature(base, onward) - davis.curvature(base, steer_rad))
+        change = abs(davis.curvature(base, onward) - bend_per_m)
         return 0.0 if change < TURNS_FROM_PER_M else change / TURNS_FOR_S
 
 
@@ -153,7 +153,7 @@ class Rars:
         kept = max(GIVES_BACK * straightens, GIVES_BACK_LEAST) if straightens > STRAIGHTENS_FROM else 0.0
         top = self._top_mps * (1.0 - kept)
         speed = min(max(allowed.speed_mps, -top), top)
-        turning = self._rack.turning(steered(state), allowed.steer_rad)
+        turning = self._rack.turning(steered(state), bend, allowed.steer_rad)
         before = commanded.speed_mps
         ramped = self._ramp.step(before, speed, bend, elapsed, turning)
         speed = self._governor.ramped(before, ramped, state, bend, to_seconds(elapsed))

@@ -30,7 +30,7 @@ class RarsModel:
         # At a standstill any angle gives yaw rate 0, so the steering stays where it is.
         if abs(speed_mps) >= STANDSTILL_MPS:
             steers = davis.steer_from_curvature(base, yaw_rate_rad_s / speed_mps)
-            turning = self._rack.turning(steer, steers)
+            turning = self._rack.turning(steer, davis.curvature(base, steer), steers)
             goal = davis.pinion_from_steer(base, steers)
             pinion, most = davis.pinion_from_steer(base, steer), self._rack.pinion_rad_s * seconds
             steer = davis.steer_from_pinion(base, pinion + min(max(goal - pinion, -most), most))

@@ -8,8 +8,9 @@ import math
 from dataclasses import replace
 from typing import Final
 
-from firmware_bridge.motion.davis import DavisBase, pinion_from_steer, steer_from_curvature, steer_from_pinion
+from firmware_bridge.motion.davis import pinion_from_steer, steer_from_curvature, steer_from_pinion
 from firmware_bridge.motion.scissor import height_from_screw, highest, screw_from_height
+from firmware_bridge.motion.tables import DavisBase
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rars.geometry import RarsGeometry
 from firmware_bridge.robots.rars.kinematics import SCREW, STEERING

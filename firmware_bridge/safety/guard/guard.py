@@ -229,7 +229,9 @@ class Guarded:
                 safe = self._joined(axis for axis in rule.axes if axis.moving)
                 sent += self._replaced(None, f"{rule.name} stayed beyond its bound", safe, now)
         # Only now: the safe commands above have set new deadlines.
-        self._due = min([rule.due for rule in self._across], default=NEVER)
+        self._due = NEVER
+        for rule in self._across:
+            self._due = min(self._due, rule.due)
         return sent
 
     def _spoken_for(self, now: Nanoseconds) -> tuple[Packet, ...]:
@@ -262,11 +264,11 @@ class Guarded:
 
         One that finds its zero is sent none; the bridge shows by the others that it lives.
         """
-        since = self._moving_since
-        overdue = [
-            max(axis.commanded_at, since) + SILENT_CYCLES * axis.cycle for axis in axes if not axis.homes
-        ]
-        return min(overdue, default=NEVER)
+        since, first = self._moving_since, NEVER
+        for axis in axes:
+            if not axis.homes:
+                first = min(first, max(axis.commanded_at, since) + SILENT_CYCLES * axis.cycle)
+        return first
 
 
 def guarded(node: Node, robot: AnyRobot, listener: Listener | None = None) -> Guarded:
