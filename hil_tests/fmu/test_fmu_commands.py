@@ -310,7 +310,7 @@ def test_each_command_explains_itself_with_an_example(command: str) -> None:
     assert f"firmware-bridge fmu {command}" in out
 
 
-@pytest.mark.long(keeps=["climber"])
+@pytest.mark.long(keeps=["rome"])
 @pytest.mark.parametrize("name", robot_types.names())
 def test_a_robot_s_plant_begins_with_what_its_file_states(tmp_path: Path, name: str) -> None:
     path = tmp_path / "plant.fmu"

@@ -8,6 +8,7 @@ from firmware_bridge.drivers.driver import Feedback, Position, Speed
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.motion import davis, scissor
 from firmware_bridge.motion.pose import Pose
+from firmware_bridge.motion.tables import DavisBase
 from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.robots.rars.kinematics import BASE_MOVES_MPS, LEASH_S, ramp_of
@@ -16,7 +17,7 @@ from firmware_bridge.units import SECOND
 
 ROBOT: Final[Any] = find("rars")
 BODY: Final[Any] = ROBOT_TYPE.kinematics(ROBOT)
-BASE: Final[davis.DavisBase] = ROBOT.geometry.base
+BASE: Final[DavisBase] = ROBOT.geometry.base
 LIFT: Final = ROBOT.geometry.lift
 RATE: Final = ROBOT.geometry.limits.lift_rate_mps
 TOP: Final = scissor.highest(LIFT)

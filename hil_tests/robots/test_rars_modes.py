@@ -11,6 +11,7 @@ from firmware_bridge.intent import USUAL_AGE_LIMIT
 from firmware_bridge.mavlink import modes
 from firmware_bridge.motion import davis
 from firmware_bridge.motion.pose import Pose
+from firmware_bridge.motion.tables import DavisBase
 from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.robots.rars.modes import STEERS_PER_M_S
@@ -21,7 +22,7 @@ from hil_tests.robots.test_rars_body import axes
 from hil_tests.rows import every
 
 ROBOT: Final[Any] = find("rars")
-BASE: Final[davis.DavisBase] = ROBOT.geometry.base
+BASE: Final[DavisBase] = ROBOT.geometry.base
 R: Final = BASE.wheel_radius_m
 WHOLE: Final[Any] = ROBOT_TYPE.kinematics(ROBOT)
 ALL: Final = RarsMotion(speed_mps=0.1, steer_rad=0.2, lift_m=0.01)

@@ -18,6 +18,7 @@ from firmware_bridge.teleop.streams import streams_of
 from hil_tests.scenarios.ride import ARMED, SETTLED_S, ride
 from hil_tests.stability.manoeuvres import robot as tipping
 
+SOME_S = 6.0
 CLIMBER, ROME_ARM = find("climber"), find("rome_arm")
 
 
@@ -63,7 +64,10 @@ def test_what_a_page_and_a_plotter_receive_is_the_margin_and_its_least() -> None
 def test_a_run_has_it_in_its_samples(robot: str, mission: str, column: str, tmp_path: Path) -> None:
     machine = find(robot)
     setup = bench_setup_of(machine)
-    order = RunOrder(machine, setup, mission, mission_of(mission, machine, setup), 0, tmp_path)
+    whole = mission_of(mission, machine, setup)
+    steps = tuple(step for step in whole.step if step.at_s < SOME_S)
+    script = whole.model_copy(update={"duration_s": SOME_S, "step": steps})
+    order = RunOrder(machine, setup, mission, script, 0, tmp_path)
     drive(order, lambda _: None)
     row = margin.margin_of(machine)
     assert row is not None

@@ -14,6 +14,7 @@ from firmware_bridge.motion import davis, scissor
 from firmware_bridge.motion.odometry import moved
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.motion.ramp import MARGIN, Ramp
+from firmware_bridge.motion.tables import DavisBase
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rars.geometry import RarsGeometry, RarsLimits
 from firmware_bridge.robots.rars.governor import Governor
@@ -71,7 +72,7 @@ class Rack:
         self.pinion_rad_s: Final = steering.settings.cruise(steering.ratio)
 
     def turning(self, steer_rad: float, bend_per_m: float, goal_rad: float | None) -> float:
-        """Return how fast the curvature changes on the way from an angle and its curvature to a goal, 1/(m s)."""
+        """Return how fast the curvature changes from an angle and its curvature to a goal, 1/(m s)."""
         if goal_rad is None:
             return 0.0
         base, most = self._base, self.pinion_rad_s * TURNS_FOR_S
@@ -236,7 +237,7 @@ def _lift_requested(motion: RarsMotion, height_m: float | None) -> bool:
     return height_m is None or not abs(motion.lift_m - height_m) <= LIFT_TOLERANCE_M
 
 
-def rolls(base: davis.DavisBase, state: RarsState) -> float:
+def rolls(base: DavisBase, state: RarsState) -> float:
     """Return the speed in m/s of the rear wheel that rolls faster, the way the base drives positive."""
     # The faster wheel of both: half the track times the turn always adds to the base's speed.
     return state.speed_mps + math.copysign(state.yaw_rate_rad_s * base.rear_track_m / 2.0, state.speed_mps)

@@ -8,12 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_bridge.motion.differential import (
-    DifferentialBase,
     DifferentialRamp,
     fastest_in_turn,
     twist,
     wheel_speeds,
 )
+from firmware_bridge.motion.tables import DifferentialBase
 from firmware_bridge.units import MILLISECOND
 
 BASE = DifferentialBase(wheel_radius_m=0.1, track_m=0.5)
