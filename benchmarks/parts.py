@@ -189,16 +189,11 @@ def whole_and_physics(subject: Subject, simulated_s: float, repeats: int = REPEA
 
 def figures() -> Iterator[Figure]:
     """Measure each robot against the loop, with cameras, and by an interpreter."""
-    loop = loop_ms()
-
-    def against_loop(name: str, value: float, goal: float) -> Figure:
-        limit = goal / KEPT_MS
-        return Figure(name=name, value=value, unit="ms/s", against="loop, ms", reference=loop, goal=limit)
-
+    loop, ratios = loop_ms(), list[tuple[str, float, float]]()
     for subject in SUBJECTS:
         whole, physics = whole_and_physics(subject, FIGURES_S)
-        yield against_loop(f"{subject.title}: plant, kernel", physics, subject.physics_goal)
-        yield against_loop(f"{subject.title}: the rest", whole - physics, subject.rest_goal)
+        ratios.append((f"{subject.title}: plant, kernel", physics, subject.physics_goal))
+        ratios.append((f"{subject.title}: the rest", whole - physics, subject.rest_goal))
         if subject.robot in HOUR_ROBOTS:
             yield Figure(
                 name=f"{subject.title}: simulated hours",
@@ -221,7 +216,12 @@ def figures() -> Iterator[Figure]:
     for title, robot, name, goal in WITH_CAMERAS:
         seen = Subject(title, robot, name, goal, goal)
         taken = min(plain(seen, FIGURES_S) for _ in range(REPEATS))
-        yield against_loop(title, 1e3 * taken / FIGURES_S, goal)
+        ratios.append((title, 1e3 * taken / FIGURES_S, goal))
+    # Before and behind: a processor that has rested begins slowly.
+    loop = min(loop, loop_ms())
+    for name, value, goal in ratios:
+        limit = goal / KEPT_MS
+        yield Figure(name=name, value=value, unit="ms/s", against="loop, ms", reference=loop, goal=limit)
 
 
 def interpreted_rest() -> float:

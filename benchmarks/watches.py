@@ -72,10 +72,3 @@ def rig_and_operator(servo: str = "") -> tuple[Rig, ScriptedOperator]:
     script = mission.find(MISSION, robot, BENCH_SETUP)
     operator = ScriptedOperator(robot, BENCH_SETUP, script, np.random.default_rng([SEED, HAND_STREAM]))
     return Rig(robot, BENCH_SETUP, operator, seed=SEED, noise=script.noise), operator
-
-
-def circles(simulated_s: float) -> None:
-    """Drive the mission for so long."""
-    rig, _ = rig_and_operator()
-    rig.run(from_seconds(simulated_s))
-    rig.finish()
