@@ -14,7 +14,8 @@ OUTCOMES: Final = Path(__file__).with_name("nightly_results.toml")
 OWN: Final = ("tools/nightly_results.toml", "tools/mutate_results.toml", "docs/nightly.md")
 """Files that a night writes: no source of it."""
 PYTEST: Final = ".venv/bin/python -m pytest -q -p no:cacheprovider"
-STABILITY: Final = ".venv/compiled/bin/python -P -m hil_tests.stability"
+COMPILED: Final = ".venv/compiled/bin/python -P -m"
+STABILITY: Final = f"{COMPILED} hil_tests.stability"
 SHARES: Final = 20
 HEAD: Final = (
     "# What came of each command of a night, written by tools/nightly.py; docs/nightly.md is made from it.\n"
@@ -94,6 +95,11 @@ STEPS: Final = (
         "compare-sketch",
         "the same lines sent to a sketch's binary and to the emulated board",
         ("make compare-sketch",),
+    ),
+    Step(
+        "day",
+        "a simulated day of RARS, recorded, whose memory stays as it is; how much a core drives in an hour",
+        (f"{COMPILED} benchmarks.memory 1440", f"{COMPILED} benchmarks.hours"),
     ),
     Step(
         "under-load",
