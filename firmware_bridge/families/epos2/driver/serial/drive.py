@@ -10,6 +10,7 @@ from typing import Final
 from firmware_bridge.canopen import cia301
 from firmware_bridge.canopen import objects as od
 from firmware_bridge.canopen.address import Address
+from firmware_bridge.canopen.cia301 import NmtCommand
 from firmware_bridge.canopen.data_type import DataType
 from firmware_bridge.canopen_drive.driver.drive import Drive
 from firmware_bridge.canopen_drive.driver.feedback import FAULT_STATES
@@ -63,7 +64,7 @@ NOTICED_CYCLES: Final = 4
 class Epos2OnSerial(Drive[SerialFeedback]):
     """One drive; a `firmware_bridge.drivers.driver.Driver`."""
 
-    __slots__ = ("_exchange", "_proof", "_taken", "_watch", "_writes", "present")
+    __slots__ = ("_exchange", "_proof", "_reset", "_taken", "_watch", "_writes", "present")
 
     def __init__(self, axis: Axis, robot: AnyRobot, exchange: LineExchange) -> None:
         """Take the axis, its robot, and the line."""
@@ -92,6 +93,8 @@ class Epos2OnSerial(Drive[SerialFeedback]):
         )
         self._writes: Job | None = None
         """The newest set-point."""
+        self._reset: Job | None = None
+        """The newest reset."""
         self._taken: dict[Address, int] = {}
         """Controlword and target as the drive has taken them."""
 
@@ -203,6 +206,7 @@ class Epos2OnSerial(Drive[SerialFeedback]):
             feedback.position_read(POSITION.type.decode(raw), self._exchange.requested_at)
         elif address == STATUSWORD.address:
             feedback.statusword_read(STATUSWORD.type.decode(raw), now)
+            self._forget_reset()
             # There is no EMCY on the line: the code is read from 0x1003:01 when the state shows a fault.
             if feedback.state in FAULT_STATES and not feedback.fault:
                 self.read(_NEWEST_ERROR, Rank.SAMPLE)
@@ -221,7 +225,10 @@ class Epos2OnSerial(Drive[SerialFeedback]):
         node = Epos2Axis.of(self._axis).node
         for frame in frames:
             if frame.address == cia301.NMT:
-                self._exchange.put(Job(Rank.TASK, self, (SendNmtService(node, frame.payload[0]),)))
+                job = Job(Rank.TASK, self, (SendNmtService(node, frame.payload[0]),))
+                if frame.payload[0] == NmtCommand.RESET_NODE:
+                    self._reset = job
+                self._exchange.put(job)
             else:
                 self._write(frame.payload)
         return self._exchange.go_on()
@@ -253,6 +260,13 @@ class Epos2OnSerial(Drive[SerialFeedback]):
         if writes is not None and not writes.over:
             self._exchange.drop(writes)
             self._forget()
+
+    def _forget_reset(self) -> None:
+        """Drop a reset that waits for the line where the power is off: it would only take the reference."""
+        reset = self._reset
+        if reset is not None and not reset.begun and self._feedback.unpowered:
+            self._exchange.drop(reset)
+            self._reset = None
 
     def _forget(self) -> None:
         self._taken.clear()
