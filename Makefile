@@ -197,7 +197,7 @@ $(MEASURED): $(READY)
 	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --group bench
 	@touch $@
 
-bench: $(MEASURED) $(COMPILED)/.ready ## measure how fast the bench is, what it costs, and against what; two minutes
+bench: $(MEASURED) $(COMPILED)/.ready ## measure how fast the bench is, what it costs, and against what; three minutes
 	@$(COMPILED)/bin/python -P -m benchmarks
 
 ROBOT ?= rars

@@ -15,7 +15,7 @@ from benchmarks.figure import MOST_OTHERS, Figure, OthersLoad, keep, table
 
 PARTS: Final = (
     *("parts", "scale", "device", "boards", "against_fmpy", "moments"),
-    *("mcap_cost", "monitor_live", "live_page", "start"),
+    *("mcap_cost", "monitor_live", "live_page", "start", "memory"),
 )
 """The modules with a function `figures`."""
 

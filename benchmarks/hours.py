@@ -10,33 +10,26 @@ import time
 from itertools import count
 from typing import Final
 
-import numpy as np
-
 from benchmarks.measure import show
-from benchmarks.parts import HOUR_ROBOTS, HOURS_GOAL, SUBJECTS
+from benchmarks.parts import HOUR_ROBOTS, HOURS_GOAL, SUBJECTS, Driven, rig_of
 from emulators.bench import mission
 from emulators.bench.bench_setup import bench_setup_of
-from emulators.bench.operator import ScriptedOperator
-from emulators.rig import Rig
-from emulators.run import HAND_STREAM
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 
 MINUTES: Final = 10.0
 
 
-def hours_an_hour(name: str, script_name: str, minutes: float) -> float:
+def hours_an_hour(subject: Driven, minutes: float) -> float:
     """Drive a mission again and again, each time with another seed, for so long; setting up counts."""
-    robot = find(name)
-    setup = bench_setup_of(robot)
-    script = mission.find(script_name, robot, setup)
+    robot = find(subject.robot)
+    duration_s = mission.find(subject.mission, robot, bench_setup_of(robot)).duration_s
     driven, begun = 0.0, time.process_time()
     for seed in count():
-        operator = ScriptedOperator(robot, setup, script, np.random.default_rng([seed, HAND_STREAM]))
-        rig = Rig(script.on(robot), setup, operator, seed=seed, noise=script.noise)
-        rig.run(from_seconds(script.duration_s))
+        rig = rig_of(subject, seed)
+        rig.run(from_seconds(duration_s))
         rig.finish()
-        driven += script.duration_s
+        driven += duration_s
         if time.process_time() - begun >= 60.0 * minutes:
             break
     return driven / (time.process_time() - begun)
@@ -44,11 +37,7 @@ def hours_an_hour(name: str, script_name: str, minutes: float) -> float:
 
 def main(minutes: float) -> int:
     """Measure and print."""
-    found = {
-        one.title: hours_an_hour(one.robot, one.mission, minutes)
-        for one in SUBJECTS
-        if one.robot in HOUR_ROBOTS
-    }
+    found = {one.title: hours_an_hour(one, minutes) for one in SUBJECTS if one.robot in HOUR_ROBOTS}
     rows = [(title, f"{hours:.1f}", f">= {HOURS_GOAL:g}") for title, hours in found.items()]
     show(f"simulated hours an hour of a core, over {minutes:g} minutes", ("mission", "hours", "goal"), rows)
     return 0 if min(found.values()) >= HOURS_GOAL else 1

@@ -39,14 +39,28 @@ PAGE: Final = Path(__file__).parents[1] / "docs" / "where-the-time-goes.md"
 
 
 @dataclass(frozen=True, slots=True)
-class Subject:
-    """A mission, and the goals in ms of a simulated second on the machine of `KEPT_MS`."""
+class Driven:
+    """A robot and its mission."""
 
     title: str
     robot: str
     mission: str
+
+
+@dataclass(frozen=True, slots=True)
+class Subject(Driven):
+    """A mission, and the goals in ms of a simulated second on the machine of `KEPT_MS`."""
+
     physics_goal: float
     rest_goal: float
+
+
+@dataclass(frozen=True, slots=True)
+class Factor(Driven):
+    """A mission, and how many times real time it is driven at least, by the core compiled or interpreted."""
+
+    compiled: float
+    interpreted: float | None
 
 
 SUBJECTS: Final = (
@@ -55,13 +69,11 @@ SUBJECTS: Final = (
     Subject("climber, square", "climber", "square", 12.5, 5.0),
     Subject("rome_arm, orbit", "rome_arm", "orbit", 25.0, 15.0),
 )
-
-
-WITH_CAMERAS: Final = (
-    ("ROME, circle, cameras at 240 Hz", "rome+cameras", "circle", 33.0),
-    ("climber, square, cameras at 240 Hz", "climber+cameras", "square", 50.0),
+FACTORS: Final = (
+    Factor("ROME, circle, cameras at 240 Hz", "rome+cameras", "circle", 100.0, 30.0),
+    Factor("climber, square", "climber", "square", 20.0, 20.0),
+    Factor("climber, square, cameras at 240 Hz", "climber+cameras", "square", 20.0, None),
 )
-"""Title, robot, mission, and the goal of the whole in ms of a simulated second."""
 FIGURES_S: Final = 10.0
 """Simulated time of a run for `figures`."""
 INTERPRETED_GOAL: Final = 2.5
@@ -92,16 +104,16 @@ class Figures:
         return max(self.rest - self.bridge - self.drives - self.operator, 0.0)
 
 
-def rig_of(subject: Subject) -> Rig:
+def rig_of(subject: Driven, seed: int = SEED) -> Rig:
     """Build the robot with its operator, at the start of the mission."""
     robot = find(subject.robot)
     setup = bench_setup_of(robot)
     script = mission.find(subject.mission, robot, setup)
-    operator = ScriptedOperator(robot, setup, script, np.random.default_rng([SEED, HAND_STREAM]))
-    return Rig(script.on(robot), setup, operator, seed=SEED, noise=script.noise)
+    operator = ScriptedOperator(robot, setup, script, np.random.default_rng([seed, HAND_STREAM]))
+    return Rig(script.on(robot), setup, operator, seed=seed, noise=script.noise)
 
 
-def plain(subject: Subject, simulated_s: float) -> float:
+def plain(subject: Driven, simulated_s: float) -> float:
     """Return the seconds of a run without recording."""
     one = rig_of(subject)
     taken = processor_seconds(lambda: one.run(from_seconds(simulated_s)))
@@ -188,7 +200,7 @@ def whole_and_physics(subject: Subject, simulated_s: float, repeats: int = REPEA
 
 
 def figures() -> Iterator[Figure]:
-    """Measure each robot against the loop, with cameras, and by an interpreter."""
+    """Measure each robot against the loop, an hour of a core, and real time."""
     loop, ratios = loop_ms(), list[tuple[str, float, float]]()
     for subject in SUBJECTS:
         whole, physics = whole_and_physics(subject, FIGURES_S)
@@ -205,30 +217,49 @@ def figures() -> Iterator[Figure]:
                 at_least=True,
             )
         if subject is SUBJECTS[0] and COMPILED:
+            call = "a, b = whole_and_physics(SUBJECTS[0], FIGURES_S, 2); print(a - b)"
             yield Figure(
                 name=f"{subject.title}: the rest, interpreted",
-                value=interpreted_rest(),
+                value=interpreted(call),
                 unit="ms/s",
                 against="compiled",
                 reference=whole - physics,
                 goal=INTERPRETED_GOAL,
             )
-    for title, robot, name, goal in WITH_CAMERAS:
-        seen = Subject(title, robot, name, goal, goal)
-        taken = min(plain(seen, FIGURES_S) for _ in range(REPEATS))
-        ratios.append((title, 1e3 * taken / FIGURES_S, goal))
     # Before and behind: a processor that has rested begins slowly.
     loop = min(loop, loop_ms())
     for name, value, goal in ratios:
         limit = goal / KEPT_MS
         yield Figure(name=name, value=value, unit="ms/s", against="loop, ms", reference=loop, goal=limit)
+    yield from _factors()
 
 
-def interpreted_rest() -> float:
-    """Return ms of the first robot without plant and kernel, by the same Python without the compiled core."""
-    call = "from benchmarks.parts import *; a, b = whole_and_physics(SUBJECTS[0], FIGURES_S, 2); print(a - b)"
+def _factors() -> Iterator[Figure]:
+    """Measure against real time, by an interpreter, too, where that has a goal."""
+    for place, one in enumerate(FACTORS):
+        core = one.compiled if COMPILED else one.interpreted
+        yield _factor(one.title, simulated_a_second(one), core)
+        if COMPILED and one.interpreted is not None:
+            times = interpreted(f"print(simulated_a_second(FACTORS[{place}]))")
+            yield _factor(f"{one.title}, interpreted", times, one.interpreted)
+
+
+def _factor(name: str, times: float, goal: float | None) -> Figure:
+    """Give how many times real time a robot is driven."""
+    return Figure(
+        name=name, value=times, unit="s", against="a second", reference=1.0, goal=goal, at_least=True
+    )
+
+
+def simulated_a_second(one: Driven) -> float:
+    """Return the simulated seconds of a second of the processor, without recording."""
+    return FIGURES_S / min(plain(one, FIGURES_S) for _ in range(REPEATS))
+
+
+def interpreted(call: str) -> float:
+    """Return the number that a call prints, by the same Python without the compiled core."""
     printed = subprocess.run(  # noqa: S603 - this file, by this interpreter
-        [sys.executable, "-c", call],
+        [sys.executable, "-c", f"from benchmarks.parts import *; {call}"],
         env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])},
         capture_output=True,
         text=True,

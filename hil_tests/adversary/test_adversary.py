@@ -168,7 +168,7 @@ def test_the_command_of_the_night_searches_with_all_its_options(
     monkeypatch.setattr("sys.argv", ["adversary", *words])
     assert main() == 0
     printed = capsys.readouterr().out
-    assert "simulated hours, seeds 7 to 7, " in printed
+    assert "simulated hours, seeds 7 to 7, 1 of " in printed
     assert printed.endswith("joint states x fault kinds, 0 found\n")
 
 

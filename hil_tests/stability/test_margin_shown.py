@@ -18,7 +18,7 @@ from firmware_bridge.teleop.streams import streams_of
 from hil_tests.scenarios.ride import ARMED, SETTLED_S, ride
 from hil_tests.stability.manoeuvres import robot as tipping
 
-SOME_S = 6.0
+SOME_S, WHOLE_S = 6.0, math.inf
 CLIMBER, ROME_ARM = find("climber"), find("rome_arm")
 
 
@@ -57,16 +57,21 @@ def test_what_a_page_and_a_plotter_receive_is_the_margin_and_its_least() -> None
         one.rig.finish()
 
 
+@pytest.mark.long(keeps=["climber-square-margin_times-6.0", "rome_arm-orbit-margin_mm-6.0"])
+@pytest.mark.parametrize("seconds", [SOME_S, WHOLE_S])
 @pytest.mark.parametrize(
     ("robot", "mission", "column"),
     [("climber", "square", "margin_times"), ("rome_arm", "orbit", "margin_mm")],
 )
-def test_a_run_has_it_in_its_samples(robot: str, mission: str, column: str, tmp_path: Path) -> None:
+def test_a_run_has_it_in_its_samples(
+    robot: str, mission: str, column: str, seconds: float, tmp_path: Path
+) -> None:
     machine = find(robot)
     setup = bench_setup_of(machine)
     whole = mission_of(mission, machine, setup)
-    steps = tuple(step for step in whole.step if step.at_s < SOME_S)
-    script = whole.model_copy(update={"duration_s": SOME_S, "step": steps})
+    driven = min(seconds, whole.duration_s)
+    steps = tuple(step for step in whole.step if step.at_s < driven)
+    script = whole.model_copy(update={"duration_s": driven, "step": steps})
     order = RunOrder(machine, setup, mission, script, 0, tmp_path)
     drive(order, lambda _: None)
     row = margin.margin_of(machine)
